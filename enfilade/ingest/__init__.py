@@ -1,0 +1,1 @@
+"""Scans in, one building's graph out."""

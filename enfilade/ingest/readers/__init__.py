@@ -1,0 +1,1 @@
+"""Scan files in: one module a format, chosen by suffix."""

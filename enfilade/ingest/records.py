@@ -1,0 +1,243 @@
+"""What the stages hand to one another: small frozen dataclasses of arrays.
+
+Conventions: ``N`` points of the thinned cloud, ``M`` surfels, ``P`` planes, ``S`` scans, ``R`` rooms. Positions
+are metres relative to the building's origin. Index arrays use -1 for "none".
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
+I32 = NDArray[np.int32]
+Bool = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class ThinnedCloud:
+    """All scans of a building, at most one point a voxel.
+
+    Attributes
+    ----------
+    positions
+        ``(N, 3) float32``, metres, relative to `origin`.
+    scan
+        ``(N,) int32``, the scan that measured the point.
+    scanner_positions
+        ``(S, 3) float32``, metres, relative to `origin`.
+    scan_names
+        S names.
+    origin
+        ``(3,) float64``, metres: add it to get the scans' own coordinates.
+    raw_count
+        Points read, before thinning.
+    """
+
+    positions: F32
+    scan: I32
+    scanner_positions: F32
+    scan_names: tuple[str, ...]
+    origin: F64
+    raw_count: int
+
+
+@dataclass(frozen=True, slots=True)
+class Surfels:
+    """Small oriented patches: everything after thinning works on these.
+
+    Attributes
+    ----------
+    positions, normals
+        ``(M, 3) float32``; the normals are unit vectors turned towards the scanner.
+    scan
+        ``(M,) int32``, the scan that measured most of the surfel's points.
+    point_surfel
+        ``(N,) int32``, the surfel of each point of the thinned cloud, -1 for none.
+    """
+
+    positions: F32
+    normals: F32
+    scan: I32
+    point_surfel: I32
+
+
+@dataclass(frozen=True, slots=True)
+class Bitmap:
+    """Occupancy bitmap of a plane (§4): cell (i, j) covers ``origin + (j, j+1) cell_m u + (i, i+1) cell_m v``.
+
+    Attributes
+    ----------
+    origin, u, v
+        ``(3,) float32`` corner and unit axes in the plane.
+    cell_m
+        Side of a cell, metres.
+    occupancy
+        ``(H, W) float32`` in [0, 1], box-filtered.
+    """
+
+    origin: F32
+    u: F32
+    v: F32
+    cell_m: float
+    occupancy: F32
+
+
+@dataclass(frozen=True, slots=True)
+class Planes:
+    """Planar patches, one per side of a wall.
+
+    Attributes
+    ----------
+    normals
+        ``(P, 3) float32`` unit vectors that point into the room.
+    offsets
+        ``(P,) float32``: ``normal · x = offset`` on the plane.
+    surfel_plane
+        ``(M,) int32``, the plane of each surfel, -1 for none.
+    bitmaps
+        P occupancy bitmaps.
+    """
+
+    normals: F32
+    offsets: F32
+    surfel_plane: I32
+    bitmaps: tuple[Bitmap, ...]
+
+    @property
+    def horizontal(self) -> Bool:
+        """``(P,)``: floors, ceilings and other level planes (within 15°)."""
+        return np.abs(self.normals[:, 2]) > np.cos(np.radians(15.0))
+
+    @property
+    def vertical(self) -> Bool:
+        """``(P,)``: walls (within 15°)."""
+        return np.abs(self.normals[:, 2]) < np.sin(np.radians(15.0))
+
+
+@dataclass(frozen=True, slots=True)
+class RoomLabels:
+    """Which room each surfel belongs to (§4).
+
+    Attributes
+    ----------
+    before, after
+        ``(M,) int32`` room label before and after the diffusion, -1 for none. Before: the room of the scan.
+    agreement
+        ``(M,) float32`` share of the summed label distribution that the winning label has.
+    scan_room
+        ``(S,) int32`` room that each scan stands in, -1 for none.
+    room_count
+        R.
+    """
+
+    before: I32
+    after: I32
+    agreement: F32
+    scan_room: I32
+    room_count: int
+
+
+@dataclass(frozen=True, slots=True)
+class Room:
+    """What was measured of one room; lengths in metres, relative to the origin.
+
+    `outline` holds rings as ``(K, 2) float64`` arrays, the outer one first.
+    """
+
+    number: int
+    area: float
+    floor_elevation: float
+    ceiling_elevation: float | None
+    centroid: F64
+    bounds: F64
+    outline: tuple[F64, ...]
+    point_count: int
+    scans: tuple[str, ...]
+    confidence: float
+    floor_plane: int
+
+
+@dataclass(frozen=True, slots=True)
+class Storey:
+    """Rooms (by number) whose floors lie at one level."""
+
+    index: int
+    elevation: float
+    rooms: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Neighbour:
+    """Two rooms that share a wall, floor or ceiling (§5.1).
+
+    `plane_pairs` are (plane on the side of room a, plane on the side of room b).
+    """
+
+    room_a: int
+    room_b: int
+    gap: float
+    area: float
+    plane_pairs: tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Opening:
+    """A hole between two rooms, or between a room and the outside (`room_b` is None) (§5.2)."""
+
+    kind: str
+    orientation: str
+    room_a: int
+    room_b: int | None
+    position: F64
+    normal: F64
+    width: float
+    height: float
+    sill: float
+    area: float
+    ray_count: int
+    state: str | None
+    confidence: float
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """One connected component of a room's points that is no structure (§6.1).
+
+    `points` are indices into the thinned cloud.
+    """
+
+    number: int
+    room: int
+    points: I32
+    size: F64
+    position: F64
+    floor_offset: float
+
+
+@dataclass(frozen=True, slots=True)
+class Combination:
+    """One to three nearby segments described together (§6.2)."""
+
+    segments: tuple[int, ...]
+    size: F64
+    position: F64
+    floor_offset: float
+    point_count: int
+    descriptor: NDArray[np.uint16]
+    foot_descriptor: NDArray[np.uint16]
+
+
+@dataclass(frozen=True, slots=True)
+class Objects:
+    """Everything that stands or hangs in the rooms.
+
+    `near` holds (segment, segment, least distance in metres).
+    """
+
+    segments: tuple[Segment, ...]
+    combinations: tuple[Combination, ...]
+    near: tuple[tuple[int, int, float], ...] = field(default=())

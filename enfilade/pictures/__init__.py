@@ -1,0 +1,1 @@
+"""Plans, clouds and matches as pictures."""

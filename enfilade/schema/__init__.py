@@ -1,0 +1,1 @@
+"""What the graph is: nodes, edges, properties, keys, versions."""

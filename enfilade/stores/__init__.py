@@ -1,0 +1,1 @@
+"""Where graphs live: SQLite, the embedded default, and Neo4j."""

@@ -1,0 +1,104 @@
+"""What every store can do; SQLite and Neo4j differ only behind this."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from enfilade.schema.graph import BuildingGraph
+
+
+@dataclass(frozen=True, slots=True)
+class BuildingSummary:
+    """One line of ``enfilade buildings``."""
+
+    id: str
+    name: str | None
+    storeys: int
+    rooms: int
+    openings: int
+    objects: int
+    area: float | None
+    ingested_at: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class DescriptorTable:
+    """All descriptors of one kind and shape in a store, one row an object.
+
+    Attributes
+    ----------
+    shape
+        Slices, shells, sectors.
+    ids
+        n object ids.
+    counts
+        ``(n, bins) uint16``, each row sums to `enfilade.descriptors.TOTAL`.
+    floor_offsets
+        ``(n,) float32`` metres, NaN where unknown.
+    """
+
+    shape: tuple[int, int, int]
+    ids: Sequence[str]
+    counts: NDArray[np.uint16]
+    floor_offsets: NDArray[np.float32]
+
+
+class Store(ABC):
+    """A graph database that holds many buildings."""
+
+    dialect: ClassVar[str]
+    """Which compiler writes for it: ``"sql"`` or ``"cypher"``."""
+
+    @property
+    @abstractmethod
+    def url(self) -> str:
+        """Address of the store, without a password."""
+
+    @abstractmethod
+    def write(self, graph: BuildingGraph) -> None:
+        """Put a building in, in one transaction; an older version of it disappears in the same moment."""
+
+    @abstractmethod
+    def read(self, building: str) -> BuildingGraph:
+        """Return a building's whole graph, as it was written. Raises NotFoundError."""
+
+    @abstractmethod
+    def remove(self, building: str) -> None:
+        """Take a building out, in one transaction. Raises NotFoundError."""
+
+    @abstractmethod
+    def buildings(self) -> list[BuildingSummary]:
+        """All buildings, by id."""
+
+    @abstractmethod
+    def rows(
+        self, text: str, parameters: Mapping[str, Any], *, timeout_s: float | None = None
+    ) -> Iterator[tuple[Any, ...]]:
+        """Run a compiled question, read-only; yields its rows. Raises StoreError past the time limit."""
+
+    @abstractmethod
+    def plan(self, text: str, parameters: Mapping[str, Any]) -> str:
+        """Return the engine's own plan for a compiled question, as text."""
+
+    @abstractmethod
+    def descriptors(self, property: str) -> list[DescriptorTable]:
+        """All values of ``descriptor`` or ``foot_descriptor``, one table a shape."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Let go of files and connections."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
