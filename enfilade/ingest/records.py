@@ -110,12 +110,12 @@ class Planes:
     @property
     def horizontal(self) -> Bool:
         """``(P,)``: floors, ceilings and other level planes (within 15°)."""
-        return np.abs(self.normals[:, 2]) > np.cos(np.radians(15.0))
+        return np.greater(np.abs(self.normals[:, 2]), np.cos(np.radians(15.0)))
 
     @property
     def vertical(self) -> Bool:
         """``(P,)``: walls (within 15°)."""
-        return np.abs(self.normals[:, 2]) < np.sin(np.radians(15.0))
+        return np.less(np.abs(self.normals[:, 2]), np.sin(np.radians(15.0)))
 
 
 @dataclass(frozen=True, slots=True)
