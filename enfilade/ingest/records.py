@@ -18,6 +18,28 @@ Bool = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True)
+class Scan:
+    """What one scanner position measured, as a reader hands it on.
+
+    Attributes
+    ----------
+    name
+        The scan's name in its file.
+    source
+        Name of the file.
+    positions
+        ``(n, 3) float64``, metres, in the coordinates that all scans share; finite.
+    scanner_position
+        ``(3,) float64``, metres, in the same coordinates.
+    """
+
+    name: str
+    source: str
+    positions: F64
+    scanner_position: F64
+
+
+@dataclass(frozen=True, slots=True)
 class ThinnedCloud:
     """All scans of a building, at most one point a voxel.
 
