@@ -123,6 +123,7 @@ NODE_TYPES: Final = (
             Property("parameters", Kind.MAPPING, "the resolved parameters of every stage"),
             Property("software_version", Kind.TEXT, "version of Enfilade that wrote the graph"),
             Property("content_hash", Kind.TEXT, "hash of the scan files and the parameters"),
+            Property("cloud", Kind.TEXT, "file name of its labelled cloud in the clouds folder"),
         ),
     ),
     NodeType(

@@ -70,6 +70,10 @@ class Store(ABC):
         """Return a building's whole graph, as it was written. Raises NotFoundError."""
 
     @abstractmethod
+    def properties(self, node: str) -> dict[str, Any]:
+        """Return the properties of one node by its key, without its descriptors. Raises NotFoundError."""
+
+    @abstractmethod
     def remove(self, building: str) -> None:
         """Take a building out, in one transaction. Raises NotFoundError."""
 
