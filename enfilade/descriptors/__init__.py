@@ -1,0 +1,24 @@
+"""Shape descriptors of objects and their distance (§6.2), reachable from ingest, stores and queries alike."""
+
+from __future__ import annotations
+
+from .distance import distances
+from .histogram import describe
+from .layout import DEFAULT_LAYOUT, PAPER_LAYOUT, TOTAL, Layout, quantise
+from .shapes import Shape, read_shape
+from .views import Viewing, mesh_views, sample_surface
+
+__all__ = [
+    "DEFAULT_LAYOUT",
+    "PAPER_LAYOUT",
+    "TOTAL",
+    "Layout",
+    "Shape",
+    "Viewing",
+    "describe",
+    "distances",
+    "mesh_views",
+    "quantise",
+    "read_shape",
+    "sample_surface",
+]

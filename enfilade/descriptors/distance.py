@@ -1,0 +1,86 @@
+"""The distance of descriptors (Eq. 11): symmetric χ², least over all turns around the vertical axis."""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from typing import Final
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from .layout import TOTAL
+
+_FIXED_POINT: Final = 2.0**36
+"""Terms are rounded to multiples of 2⁻³⁶ counts: their sum is below 2⁵³ of them, so it is exact in any order."""
+
+_ROWS_PER_THREAD: Final = 2048
+
+
+def distances(query: NDArray[np.uint16], table: NDArray[np.uint16], shape: tuple[int, int, int]) -> NDArray[np.float64]:
+    """Distance of a descriptor, or of the nearest of several views, to each row of a table (Eq. 11, with *min*).
+
+    Bins that are empty in both add nothing. The result is symmetric, 0 exactly for descriptors that are turns
+    of one another, the same on every machine and for every number of threads; its error is below 1e-12.
+
+    Parameters
+    ----------
+    query
+        ``(bins,)`` counts, or ``(V, bins)`` for V views, of which the nearest counts.
+    table
+        ``(n, bins)`` counts.
+    shape
+        Slices, shells, sectors of both.
+
+    Returns
+    -------
+    numpy.ndarray
+        ``(n,) float64`` in [0, 2].
+
+    Raises
+    ------
+    ValueError
+        If the shapes differ.
+    """
+    bins = int(np.prod(shape))
+    views = np.atleast_2d(query)
+    if views.shape[1] != bins or table.ndim != 2 or table.shape[1] != bins:
+        raise ValueError(f"descriptors of {views.shape[1]} and {table.shape[-1]} bins do not fit the shape {shape}")
+    rings = (-1, shape[0] * shape[1], shape[2])
+    views, rows = views.reshape(rings), table.reshape(rings)
+    nearest = np.full(len(rows), 2.0)
+    starts = range(0, len(rows), _ROWS_PER_THREAD)
+    parts = [slice(start, start + _ROWS_PER_THREAD) for start in starts]
+    if len(parts) < 2:
+        _nearest(views, rows, nearest)
+        return nearest
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        list(pool.map(lambda part: _nearest(views, rows[part], nearest[part]), parts))
+    return nearest
+
+
+def _nearest_rows(views: NDArray[np.uint16], rows: NDArray[np.uint16], nearest: NDArray[np.float64]) -> None:
+    """Lower each row's `nearest` to its distance from the nearest view.
+
+    (q - o)² / (q + o) = q + o - 4 q o / (q + o), so the distance is 2 - 4 Σ q o / (q + o): only bins that hold
+    something in both need a division, and rings that are empty in one need nothing.
+    """
+    sectors = rows.shape[2]
+    for i in range(rows.shape[0]):
+        for v in range(views.shape[0]):
+            overlap = np.zeros(sectors)
+            for r in range(rows.shape[1]):
+                if not (rows[i, r].any() and views[v, r].any()):
+                    continue
+                for s in range(sectors):
+                    o = float(rows[i, r, s])
+                    if o > 0.0:
+                        for shift in range(sectors):
+                            q = float(views[v, r, (s + shift) % sectors])
+                            overlap[shift] += np.rint(q * o / (q + o) * _FIXED_POINT)
+            distance = 2.0 - 4.0 * overlap.max() / (_FIXED_POINT * TOTAL)
+            nearest[i] = min(nearest[i], distance)
+
+
+_nearest = njit(cache=True, nogil=True)(_nearest_rows)
