@@ -56,6 +56,8 @@ class Property:
         Whether the stores keep an index on it.
     values
         The only texts allowed, if the property is an enumeration.
+    length
+        Number of elements, if a list has always as many; else 0.
     """
 
     name: str
@@ -64,6 +66,7 @@ class Property:
     unit: str = ""
     indexed: bool = False
     values: tuple[str, ...] = ()
+    length: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,8 +120,14 @@ NODE_TYPES: Final = (
             Property("source_files", Kind.TEXTS, "names of the scan files"),
             Property("scan_count", Kind.INTEGER, "scans read"),
             Property("point_count", Kind.INTEGER, "points read, before thinning"),
-            Property("bounds", Kind.REALS, "xmin ymin zmin xmax ymax zmax", "m"),
-            Property("origin", Kind.REALS, "offset taken off while computing; coordinates in the graph have it", "m"),
+            Property("bounds", Kind.REALS, "xmin ymin zmin xmax ymax zmax", "m", length=6),
+            Property(
+                "origin",
+                Kind.REALS,
+                "offset taken off while computing; coordinates in the graph have it",
+                "m",
+                length=3,
+            ),
             Property("ingested_at", Kind.TEXT, "time of ingest, ISO 8601, UTC"),
             Property("parameters", Kind.MAPPING, "the resolved parameters of every stage"),
             Property("software_version", Kind.TEXT, "version of Enfilade that wrote the graph"),
@@ -146,8 +155,8 @@ NODE_TYPES: Final = (
             Property("floor_elevation", Kind.REAL, "mean height of the floor plane's points (Eq. 7)", "m"),
             Property("ceiling_elevation", Kind.REAL, "height of the ceiling", "m"),
             Property("height", Kind.REAL, "from floor to ceiling", "m"),
-            Property("centroid", Kind.REALS, "centre of the floor area: x y z", "m"),
-            Property("bounds", Kind.REALS, "xmin ymin zmin xmax ymax zmax", "m"),
+            Property("centroid", Kind.REALS, "centre of the floor area: x y z", "m", length=3),
+            Property("bounds", Kind.REALS, "xmin ymin zmin xmax ymax zmax", "m", length=6),
             Property("outline", Kind.RINGS, "simplified plan polygon, rings as flat lists, outer ring first", "m"),
             Property("point_count", Kind.INTEGER, "thinned points in the room"),
             Property("scans", Kind.TEXTS, "names of the scans that stand in the room"),
@@ -166,8 +175,8 @@ NODE_TYPES: Final = (
             Property("height", Kind.REAL, "clear height", "m"),
             Property("sill", Kind.REAL, "height of its lower edge over the floor", "m"),
             Property("area", Kind.REAL, "of the hole", "m²"),
-            Property("position", Kind.REALS, "centre of the hole: x y z", "m"),
-            Property("normal", Kind.REALS, "unit vector across the opening"),
+            Property("position", Kind.REALS, "centre of the hole: x y z", "m", length=3),
+            Property("normal", Kind.REALS, "unit vector across the opening", length=3),
             Property("ray_count", Kind.INTEGER, "laser rays that went through"),
             Property("state", Kind.TEXT, "how its leaf was seen", "", False, ("open", "ajar", "closed")),
             Property("confidence", Kind.REAL, "how sure it is that the opening is there, 0 to 1"),
@@ -180,8 +189,8 @@ NODE_TYPES: Final = (
         (
             Property("segments", Kind.TEXTS, "ids of the one to three segments"),
             Property("parts", Kind.INTEGER, "number of segments", "", True),
-            Property("size", Kind.REALS, "extent along x y z", "m"),
-            Property("position", Kind.REALS, "mean of its points: x y z", "m"),
+            Property("size", Kind.REALS, "extent along x y z", "m", length=3),
+            Property("position", Kind.REALS, "mean of its points: x y z", "m", length=3),
             Property("floor_offset", Kind.REAL, "height of its foot over the room's floor", "m"),
             Property("point_count", Kind.INTEGER, "thinned points"),
             Property("descriptor", Kind.DESCRIPTOR, "shape, base at the room's floor (Eqs. 8-10)"),
@@ -219,3 +228,9 @@ EDGE_TYPES: Final = (
 
 NODES: Final = {node.label: node for node in NODE_TYPES}
 EDGES: Final = {edge.type: edge for edge in EDGE_TYPES}
+
+NODE_PROPERTIES: Final = {label: {p.name: p for p in (*COMMON, *node.properties)} for label, node in NODES.items()}
+"""Properties by label and name, the common ones included, in their order."""
+
+EDGE_PROPERTIES: Final = {type: {p.name: p for p in edge.properties} for type, edge in EDGES.items()}
+"""Properties by edge type and name, in their order."""

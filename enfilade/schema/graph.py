@@ -6,9 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 
 @dataclass(slots=True)
-class Node:
+class Node:  # noqa: PLW1641 (it changes, so it has no hash)
     """A node: its key, its label and its properties (``id`` and ``label`` not among them).
 
     Property values are plain Python values of the kind that the schema gives; a descriptor is a flat
@@ -18,6 +20,11 @@ class Node:
     id: str
     label: str
     properties: dict[str, Any] = field(default_factory=dict)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Node):
+            return NotImplemented
+        return (self.id, self.label) == (other.id, other.label) and _equal(self.properties, other.properties)
 
 
 @dataclass(slots=True)
@@ -79,3 +86,14 @@ class BuildingGraph:
     def targets(self, source: str, type: str) -> list[Node]:
         """Nodes that edges of a type lead to from a node."""
         return [self.nodes[e.target] for e in self.edges if e.type == type and e.source == source]
+
+
+def _equal(one: dict[str, Any], other: dict[str, Any]) -> bool:
+    """Whether properties agree, arrays among them (which ``==`` does not answer with one truth)."""
+    return one.keys() == other.keys() and all(_equal_values(value, other[name]) for name, value in one.items())
+
+
+def _equal_values(one: Any, other: Any) -> bool:
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        return np.array_equal(one, other)
+    return bool(one == other)
