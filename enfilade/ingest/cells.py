@@ -1,0 +1,89 @@
+"""Cells of a regular grid packed into one 64-bit key, so that one sort brings together what lies together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from .records import F32, I32
+
+I64 = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class CellGrid:
+    """A box of cubic cells with one empty cell around it, so that neighbours of a cell always have keys.
+
+    Attributes
+    ----------
+    lowest
+        ``(3,) int64`` index of the cell at the low corner.
+    shape
+        ``(3,) int64`` number of cells along x, y, z.
+    cell_m
+        Side of a cell, metres.
+    """
+
+    lowest: I64
+    shape: I64
+    cell_m: float
+
+    @classmethod
+    def around(cls, positions: F32, cell_m: float) -> CellGrid:
+        """Return the grid of cells around ``(n, 3)`` positions."""
+        lowest = np.floor(positions.min(axis=0).astype(np.float64) / cell_m).astype(np.int64) - 1
+        highest = np.floor(positions.max(axis=0).astype(np.float64) / cell_m).astype(np.int64) + 1
+        return cls(lowest, highest - lowest + 1, cell_m)
+
+    @property
+    def size(self) -> int:
+        """Number of cells in the box."""
+        return int(self.shape[0]) * int(self.shape[1]) * int(self.shape[2])
+
+    def keys(self, positions: F32, layer: I32 | None = None) -> I64:
+        """``(n,) int64`` keys, ordered by layer (if given), x, y, z.
+
+        Raises
+        ------
+        InputError
+            The points are spread so wide that 64 bits cannot count the cells.
+        """
+        layers = 1 if layer is None or not len(layer) else int(layer.max()) + 1
+        if self.size * layers >= 2**63:
+            raise InputError("the points are spread too wide for one building: remove stray points, check the units")
+        key = np.zeros(len(positions), np.int64) if layer is None else layer.astype(np.int64)
+        for axis in range(3):
+            index = np.floor(positions[:, axis].astype(np.float64) / self.cell_m).astype(np.int64)
+            key *= self.shape[axis]
+            key += index - self.lowest[axis]
+        return key
+
+    def row_offsets(self) -> I64:
+        """``(9,) int64``: key differences to the nine z-columns of cells around a cell, each at its lowest cell."""
+        steps = np.arange(-1, 2)
+        columns = (steps[:, None] * self.shape[1] + steps[None, :]).ravel() * self.shape[2]
+        return np.asarray(columns - 1, np.int64)
+
+
+@njit(cache=True)
+def neighbour_rows(keys: I64, offsets: I64) -> I32:
+    """For each of the sorted `keys`, where each of its nine columns of neighbour cells begins.
+
+    Returns
+    -------
+    ``(n, 9) int32`` indices into `keys`: the first key not below ``keys[i] + offsets[k]``. The cells of the
+    column are those from there on with keys up to ``keys[i] + offsets[k] + 2``.
+    """
+    n = len(keys)
+    rows = np.empty((n, 9), np.int32)
+    for k in range(9):
+        at = 0
+        for i in range(n):
+            while at < n and keys[at] < keys[i] + offsets[k]:
+                at += 1
+            rows[i, k] = at
+    return rows

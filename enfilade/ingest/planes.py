@@ -1,0 +1,334 @@
+"""Planar patches with occupancy bitmaps, one patch a side of a wall (§4), by region growing on the surfels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy import ndimage, sparse
+from scipy.spatial import cKDTree
+
+from .cells import CellGrid, neighbour_rows
+from .moments import MOMENTS, fit_plane
+from .records import F32, F64, I32, Bitmap, Planes, Surfels
+
+I64 = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class PlaneParameters:
+    """What counts as one plane.
+
+    Attributes
+    ----------
+    surfel_cell_m
+        Side of the surfels' cells.
+    distance_m
+        Farthest that a surfel lies from its plane.
+    angle_deg
+        Greatest angle between a surfel's normal and its plane's.
+    least_area_m2
+        Area of surfels below which a patch is no plane.
+    merge_angle_deg, merge_distance_m, merge_gap_m
+        Patches of one side become one where their normals, their distances along them and the free stretch between
+        them differ by no more than this.
+    bitmap_cell_m
+        Side of a cell of the occupancy bitmaps.
+    """
+
+    surfel_cell_m: float = 0.05
+    distance_m: float = 0.03
+    angle_deg: float = 25.0
+    least_area_m2: float = 0.15
+    merge_angle_deg: float = 4.0
+    merge_distance_m: float = 0.03
+    merge_gap_m: float = 0.8
+    bitmap_cell_m: float = 0.10
+
+
+def find_planes(surfels: Surfels, parameters: PlaneParameters = PlaneParameters()) -> Planes:
+    """Find the planar patches of the surfels, each with the surfels that lie on it and its occupancy bitmap."""
+    plane = _merge_fragments(surfels, _grow_planes(surfels, parameters), parameters)
+    normals, centres = _fit(surfels, plane)
+    bitmaps = _bitmaps(surfels, plane, normals, centres, parameters.bitmap_cell_m)
+    offsets = np.einsum("ij,ij->i", normals, centres)
+    return Planes(normals.astype(np.float32), offsets.astype(np.float32), plane, bitmaps)
+
+
+# --- growing ---------------------------------------------------------------------------------------------------
+
+
+def _grow_planes(surfels: Surfels, parameters: PlaneParameters) -> I32:
+    """``(M,) int32`` plane of each surfel, -1 for none, from patches grown one after the other."""
+    if not len(surfels.positions):
+        return np.zeros(0, np.int32)
+    grid = CellGrid.around(surfels.positions, parameters.surfel_cell_m)
+    key = grid.keys(surfels.positions)
+    order = np.argsort(key, kind="stable")
+    keys, offsets = key[order], grid.row_offsets()
+    rows = neighbour_rows(keys, offsets)
+    positions = surfels.positions[order].astype(np.float64)
+    normals = surfels.normals[order].astype(np.float64)
+    tolerance, cosine = parameters.distance_m, float(np.cos(np.radians(parameters.angle_deg)))
+    seeds = np.argsort(-_flatness(keys, offsets, rows, positions, normals), kind="stable")
+    least = int(np.ceil(parameters.least_area_m2 / parameters.surfel_cell_m**2))
+    grown = _grow(keys, offsets, rows, positions, normals, seeds, tolerance, cosine, least)
+    fitted, centres = _fit_sorted(positions, normals, grown)
+    plane = np.empty(len(key), np.int32)
+    plane[order] = _take_in_edges(keys, offsets, rows, positions, normals, grown, fitted, centres, tolerance)
+    return plane
+
+
+@njit(cache=True)
+def _flatness(keys: I64, offsets: I64, rows: I32, positions: F64, normals: F64) -> I32:
+    """Count, for each surfel, the neighbours with much the same normal on much the same plane."""
+    n = len(keys)
+    flat = np.zeros(n, np.int32)
+    for i in range(n):
+        for k in range(9):
+            at = rows[i, k]
+            while at < n and keys[at] <= keys[i] + offsets[k] + 2:
+                cosine = 0.0
+                height = 0.0
+                for axis in range(3):
+                    cosine += normals[i, axis] * normals[at, axis]
+                    height += normals[i, axis] * (positions[at, axis] - positions[i, axis])
+                if cosine > 0.98 and abs(height) < 0.01:
+                    flat[i] += 1
+                at += 1
+    return flat
+
+
+@njit(cache=True)
+def _grow(
+    keys: I64,
+    offsets: I64,
+    rows: I32,
+    positions: F64,
+    normals: F64,
+    seeds: I64,
+    tolerance: float,
+    cosine: float,
+    least: int,
+) -> I32:
+    """Grow a patch from each seed that is still free; the plane is fitted anew whenever the patch has doubled."""
+    n = len(keys)
+    plane = np.full(n, -1, np.int32)
+    tried = np.full(n, -1, np.int32)
+    queue = np.empty(n, np.int32)
+    normal = np.empty(3)
+    found = 0
+    for trial in range(n):
+        seed = seeds[trial]
+        if plane[seed] >= 0 or tried[seed] >= 0:
+            continue
+        size = _grow_from(
+            seed, trial, keys, offsets, rows, positions, normals, plane, tried, queue, normal, tolerance, cosine
+        )
+        if size >= least:
+            for at in range(size):
+                plane[queue[at]] = found
+            found += 1
+    return plane
+
+
+@njit(cache=True)
+def _grow_from(
+    seed: int,
+    trial: int,
+    keys: I64,
+    offsets: I64,
+    rows: I32,
+    positions: F64,
+    normals: F64,
+    plane: I32,
+    tried: I32,
+    queue: I32,
+    normal: F64,
+    tolerance: float,
+    cosine: float,
+) -> int:
+    """Fill `queue` with the patch around a seed and return its size."""
+    n = len(keys)
+    moments = np.zeros(MOMENTS)
+    normal[:] = normals[seed]
+    offset = 0.0
+    for axis in range(3):
+        offset += normal[axis] * positions[seed, axis]
+    queue[0] = seed
+    tried[seed] = trial
+    size, head, refit = 1, 0, 8
+    while head < size:
+        i = queue[head]
+        head += 1
+        _add_moments(moments, positions[i])
+        if head == refit:
+            offset = _refit(moments, normals[seed], normal)
+            refit *= 2
+        for k in range(9):
+            at = rows[i, k]
+            while at < n and keys[at] <= keys[i] + offsets[k] + 2:
+                if plane[at] < 0 and tried[at] != trial:
+                    along, height = 0.0, -offset
+                    for axis in range(3):
+                        along += normal[axis] * normals[at, axis]
+                        height += normal[axis] * positions[at, axis]
+                    if along > cosine and abs(height) < tolerance:
+                        tried[at] = trial
+                        queue[size] = at
+                        size += 1
+                at += 1
+    return size
+
+
+@njit(cache=True)
+def _add_moments(moments: F64, position: F64) -> None:
+    moments[0] += 1.0
+    at = 4
+    for a in range(3):
+        moments[1 + a] += position[a]
+        for b in range(a, 3):
+            moments[at] += position[a] * position[b]
+            at += 1
+
+
+@njit(cache=True)
+def _refit(moments: F64, side: F64, normal: F64) -> float:
+    """Fit the plane anew, its normal on the side of `side`; return its offset."""
+    fit_plane(moments, normal)
+    if normal[0] * side[0] + normal[1] * side[1] + normal[2] * side[2] < 0.0:
+        normal[:] = -normal
+    return (normal[0] * moments[1] + normal[1] * moments[2] + normal[2] * moments[3]) / moments[0]
+
+
+@njit(cache=True)
+def _take_in_edges(
+    keys: I64,
+    offsets: I64,
+    rows: I32,
+    positions: F64,
+    normals: F64,
+    plane: I32,
+    plane_normals: F64,
+    centres: F64,
+    tolerance: float,
+) -> I32:
+    """Give free surfels beside a patch, whose normals an edge has blurred, to the nearest plane that they face."""
+    n = len(keys)
+    taken = plane.copy()
+    for i in range(n):
+        if plane[i] >= 0:
+            continue
+        nearest = tolerance
+        for k in range(9):
+            at = rows[i, k]
+            while at < n and keys[at] <= keys[i] + offsets[k] + 2:
+                p = plane[at]
+                if p >= 0:
+                    along, height = 0.0, 0.0
+                    for axis in range(3):
+                        along += plane_normals[p, axis] * normals[i, axis]
+                        height += plane_normals[p, axis] * (positions[i, axis] - centres[p, axis])
+                    if along > 0.2 and abs(height) < nearest:
+                        nearest = abs(height)
+                        taken[i] = p
+                at += 1
+    return taken
+
+
+# --- merging and fitting ---------------------------------------------------------------------------------------
+
+
+def _fit(surfels: Surfels, plane: I32) -> tuple[F64, F64]:
+    return _fit_sorted(surfels.positions.astype(np.float64), surfels.normals.astype(np.float64), plane)
+
+
+def _fit_sorted(positions: F64, normals: F64, plane: I32) -> tuple[F64, F64]:
+    """Least-squares normals ``(P, 3)``, on the side of the surfels' own, and centres ``(P, 3)`` of all planes."""
+    count = int(plane.max(initial=-1)) + 1
+    on_plane = plane >= 0
+    label = plane[on_plane]
+    size = np.bincount(label, minlength=count)
+    centres = _sums(label, positions[on_plane], count) / size[:, None]
+    relative = positions[on_plane] - centres[label]
+    products = relative[:, [0, 0, 0, 1, 1, 2]] * relative[:, [0, 1, 2, 1, 2, 2]]
+    scatter = _sums(label, products, count)[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3)
+    fitted = np.linalg.eigh(scatter)[1][:, :, 0]
+    side = np.einsum("ij,ij->i", fitted, _sums(label, normals[on_plane], count))
+    return np.where(side[:, None] < 0.0, -fitted, fitted), centres
+
+
+def _sums(label: I32, columns: F64, count: int) -> F64:
+    return np.stack([np.bincount(label, column, count) for column in columns.T], axis=1)
+
+
+def _merge_fragments(surfels: Surfels, plane: I32, parameters: PlaneParameters) -> I32:
+    """Join patches of one side that lie on one plane close together; number the planes, the largest first."""
+    count = int(plane.max(initial=-1)) + 1
+    if count == 0:
+        return plane
+    size = np.bincount(plane[plane >= 0], minlength=count)
+    a, b = _pairs_nearby(surfels, plane, parameters.merge_gap_m)
+    small, large = np.where(size[a] < size[b], (a, b), (b, a))
+    normals, centres = _fit(surfels, plane)
+    cosine = np.einsum("ij,ij->i", normals[small], normals[large])
+    height = np.einsum("ij,ij->i", normals[large], centres[small] - centres[large])
+    same = (cosine > np.cos(np.radians(parameters.merge_angle_deg))) & (abs(height) < parameters.merge_distance_m)
+    links = sparse.coo_array((np.ones(same.sum(), np.int8), (small[same], large[same])), shape=(count, count))
+    merged = sparse.csgraph.connected_components(links, directed=False)[1]
+    rank = np.argsort(np.argsort(-np.bincount(merged, size), kind="stable"))
+    return np.where(plane >= 0, rank[merged[plane]], -1).astype(np.int32)
+
+
+def _pairs_nearby(surfels: Surfels, plane: I32, gap_m: float) -> tuple[I64, I64]:
+    """Pairs of planes of which some surfels lie within about `gap_m` of each other."""
+    on_plane = np.flatnonzero(plane >= 0)
+    grid = CellGrid.around(surfels.positions, gap_m / 2.0)
+    key = grid.keys(surfels.positions[on_plane], plane[on_plane])
+    sample = on_plane[np.unique(key, return_index=True)[1]]
+    pairs = cKDTree(surfels.positions[sample]).query_pairs(gap_m, output_type="ndarray")
+    planes = np.sort(plane[sample][pairs].astype(np.int64), axis=1)
+    planes = np.unique(planes[planes[:, 0] != planes[:, 1]], axis=0)
+    return planes[:, 0], planes[:, 1]
+
+
+# --- bitmaps ---------------------------------------------------------------------------------------------------
+
+
+def _bitmaps(surfels: Surfels, plane: I32, normals: F64, centres: F64, cell_m: float) -> tuple[Bitmap, ...]:
+    order = np.argsort(plane, kind="stable")
+    ends = np.cumsum(np.bincount(plane + 1, minlength=len(normals) + 1))
+    return tuple(
+        _bitmap(surfels.positions[order[ends[p] : ends[p + 1]]].astype(np.float64), normals[p], centres[p], cell_m)
+        for p in range(len(normals))
+    )
+
+
+def _bitmap(positions: F64, normal: F64, centre: F64, cell_m: float) -> Bitmap:
+    """Bitmap of the surfels on one plane: 1 where a cell holds one, then smoothed by a box filter of 3 x 3 cells."""
+    u, v = _axes(normal)
+    relative = positions - centre
+    cell = np.floor(np.stack([relative @ v, relative @ u], axis=1) / cell_m).astype(np.int64)
+    low = cell.min(axis=0) - 1
+    occupied = np.zeros(cell.max(axis=0) - low + 2, np.float32)
+    occupied[tuple((cell - low).T)] = 1.0
+    corner = centre + cell_m * (low[1] * u + low[0] * v)
+    smooth = ndimage.uniform_filter(occupied, size=3, mode="constant")
+    return Bitmap(_f32(corner), _f32(u), _f32(v), cell_m, smooth)
+
+
+def _axes(normal: F64) -> tuple[F64, F64]:
+    """Two unit axes in a plane: `u` level, `v` up the slope; x and y on a level plane."""
+    if abs(normal[2]) > 0.95:
+        u = np.array([1.0, 0.0, 0.0]) - normal[0] * normal
+    else:
+        u = np.array([-normal[1], normal[0], 0.0])
+    u /= np.linalg.norm(u)
+    v = np.cross(normal, u)
+    return u, v if v[2] >= 0.0 or abs(normal[2]) > 0.95 else -v
+
+
+def _f32(vector: F64) -> F32:
+    return vector.astype(np.float32)
