@@ -1,0 +1,180 @@
+"""Sides: what one room sees of a wall, a floor or a ceiling.
+
+A plane may run through several rooms (the wall of a corridor), and one wall of a room may come in several
+patches (left of a door, right of it, the lintel). Here planes are first cut by room, as the paper does before it
+looks for neighbours (§5.1), and then patches of a room that lie in one plane are joined to a side.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Final
+
+import numpy as np
+
+from enfilade.ingest.records import F64, I32, Planes, RoomLabels, Surfels
+
+UP: Final = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True, slots=True)
+class Patch:
+    """The part of one plane that lies in one room.
+
+    Attributes
+    ----------
+    room, plane
+        Their numbers.
+    normal, offset
+        Unit vector into the room; ``normal · x = offset``, the offset being the median over `surfels`.
+    surfels
+        ``(n,) int32``.
+    """
+
+    room: int
+    plane: int
+    normal: F64
+    offset: float
+    surfels: I32
+
+
+@dataclass(frozen=True, slots=True)
+class Side:
+    """Patches of one room that lie in one plane, with axes in that plane.
+
+    Attributes
+    ----------
+    room
+        Number of the room that it faces.
+    planes
+        Numbers of the planes that it consists of.
+    normal, offset
+        Unit vector into the room; ``normal · x = offset``.
+    u, v
+        Unit axes in the plane; `v` is upwards on a wall, and `u` is level.
+    bounds
+        ``(u_min, v_min, u_max, v_max)`` metres, along the axes.
+    surfels
+        ``(n,) int32``.
+    """
+
+    room: int
+    planes: tuple[int, ...]
+    normal: F64
+    offset: float
+    u: F64
+    v: F64
+    bounds: F64
+    surfels: I32
+
+    @property
+    def vertical(self) -> bool:
+        """Whether it is a wall (within 15°)."""
+        return bool(abs(self.normal[2]) < np.sin(np.radians(15.0)))
+
+    @property
+    def horizontal(self) -> bool:
+        """Whether it is a floor, a ceiling or a table top (within 15°)."""
+        return bool(abs(self.normal[2]) > np.cos(np.radians(15.0)))
+
+    def point(self, u: float, v: float) -> F64:
+        """Return the point of the plane at those coordinates."""
+        return np.asarray(u * self.u + v * self.v + self.offset * self.normal, dtype=np.float64)
+
+
+def cut_by_room(surfels: Surfels, planes: Planes, labels: RoomLabels, min_surfels: int) -> list[Patch]:
+    """Cut every plane into the parts that belong to one room each, leaving out parts of few surfels.
+
+    Parameters
+    ----------
+    surfels, planes, labels
+        What the stages before found.
+    min_surfels
+        Least number of surfels of a patch.
+
+    Returns
+    -------
+    Patches ordered by room, then plane.
+    """
+    usable = np.flatnonzero((planes.surfel_plane >= 0) & (labels.after >= 0))
+    plane_count = max(len(planes.offsets), 1)
+    key = labels.after[usable].astype(np.int64) * plane_count + planes.surfel_plane[usable]
+    order = np.argsort(key, kind="stable")
+    keys, starts = np.unique(key[order], return_index=True)
+    groups = np.split(usable[order], starts[1:]) if len(keys) else []
+    return [
+        _patch(int(k // plane_count), int(k % plane_count), group.astype(np.int32), surfels, planes)
+        for k, group in zip(keys, groups, strict=True)
+        if len(group) >= min_surfels
+    ]
+
+
+def join_patches(patches: list[Patch], surfels: Surfels, *, max_angle_deg: float, max_offset_m: float) -> list[Side]:
+    """Join patches of one room that lie in one plane, the largest first.
+
+    Parameters
+    ----------
+    patches
+        From `cut_by_room`.
+    surfels
+        The surfels that they index.
+    max_angle_deg, max_offset_m
+        How far a patch may turn and stand off from the side that it joins.
+
+    Returns
+    -------
+    Sides ordered by room, then size.
+    """
+    min_cosine = float(np.cos(np.radians(max_angle_deg)))
+    sides: list[Side] = []
+    for _, own in groupby(sorted(patches, key=lambda p: (p.room, -len(p.surfels), p.plane)), key=lambda p: p.room):
+        groups = _coplanar(list(own), surfels, min_cosine, max_offset_m)
+        sides.extend(_side(group, surfels) for group in groups)
+    return sides
+
+
+def axes(normal: F64) -> tuple[F64, F64]:
+    """Return unit axes u, v in the plane of a normal, v as upright as can be and u level."""
+    if abs(normal[2]) > np.cos(np.radians(15.0)):
+        u = np.array([1.0, 0.0, 0.0])
+        u -= (u @ normal) * normal
+        u /= np.linalg.norm(u)
+        return u, np.cross(np.sign(normal[2]) * normal, u)
+    u = np.cross(UP, normal)
+    u /= np.linalg.norm(u)
+    return u, np.cross(normal, u)
+
+
+def _patch(room: int, plane: int, group: I32, surfels: Surfels, planes: Planes) -> Patch:
+    normal = planes.normals[plane].astype(np.float64)
+    normal /= np.linalg.norm(normal)
+    offset = float(np.median(surfels.positions[group] @ normal))
+    return Patch(room, plane, normal, offset, group)
+
+
+def _coplanar(patches: list[Patch], surfels: Surfels, min_cosine: float, max_offset_m: float) -> list[list[Patch]]:
+    """Group patches, sorted by size, with the first group whose largest patch lies in the same plane."""
+    groups: list[list[Patch]] = []
+    for patch in patches:
+        centre = surfels.positions[patch.surfels].mean(axis=0)
+        for group in groups:
+            first = group[0]
+            if first.normal @ patch.normal > min_cosine and abs(first.normal @ centre - first.offset) < max_offset_m:
+                group.append(patch)
+                break
+        else:
+            groups.append([patch])
+    return groups
+
+
+def _side(group: list[Patch], surfels: Surfels) -> Side:
+    members = np.sort(np.concatenate([patch.surfels for patch in group]))
+    normal = group[0].normal
+    u, v = axes(normal)
+    positions = surfels.positions[members].astype(np.float64)
+    in_plane = positions @ np.column_stack([u, v])
+    bounds = np.concatenate([in_plane.min(axis=0), in_plane.max(axis=0)])
+    offset = float(np.median(positions @ normal))
+    planes = tuple(sorted({patch.plane for patch in group}))
+    return Side(group[0].room, planes, normal, offset, u, v, bounds, members)
