@@ -1,0 +1,158 @@
+"""Commands on the buildings of a store: list, show, remove, export, import, copy."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from pathlib import Path
+
+import click
+from rich.tree import Tree
+
+from enfilade.cli.terminal import ERR, OUT, open_archive, print_table, show_value
+from enfilade.errors import InputError
+from enfilade.schema.exchange import read_graphs, write_graph
+from enfilade.schema.graph import BuildingGraph
+
+ROOM_COLUMNS = ("room", "name", "storey", "area m²", "height m", "floor m", "openings", "objects", "scans")
+
+
+@click.command("buildings")
+@click.option("--format", "form", type=click.Choice(["table", "json"]), default="table", show_default=True)
+@click.pass_context
+def buildings_command(ctx: click.Context, form: str) -> None:
+    """List the buildings of the store."""
+    summaries = open_archive(ctx).store.buildings()
+    names = ("id", "name", "storeys", "rooms", "openings", "objects", "area", "ingested_at")
+    rows = [[getattr(summary, name) for name in names] for summary in summaries]
+    if form == "json":
+        OUT.print_json(json.dumps([dict(zip(names, row, strict=True)) for row in rows]))
+    else:
+        print_table(names, rows)
+
+
+@click.command("show")
+@click.argument("building")
+@click.option("--plan", type=click.Path(dir_okay=False, path_type=Path), help="Draw a plan a storey: PNG or SVG.")
+@click.pass_context
+def show_command(ctx: click.Context, building: str, plan: Path | None) -> None:
+    """Show a building as a small tree and a table of rooms; with --plan also as drawings."""
+    archive = open_archive(ctx)
+    graph = archive.store.read(building)
+    print_building(graph)
+    if plan is not None:
+        from enfilade.pictures.plan import draw_storeys
+
+        for path in draw_storeys(graph, plan, cloud=archive.cloud(building)):
+            ERR.print(f"Drew {path}")
+
+
+def print_building(graph: BuildingGraph) -> None:
+    """Print the tree building - storey - room with what each room holds, then the rooms as a table."""
+    children: dict[str, list[str]] = {}
+    for edge in graph.edges:
+        if edge.type in ("HAS_STOREY", "HAS_ROOM"):
+            children.setdefault(edge.source, []).append(edge.target)
+    openings = Counter(edge.source for edge in graph.of_type("OPENS"))
+    segments = Counter(
+        edge.source for edge in graph.of_type("CONTAINS") if graph.nodes[edge.target].properties.get("parts", 1) == 1
+    )
+    tree = Tree(f"[bold]{_label(graph, graph.building)}")
+    rows = []
+    for storey in children.get(graph.building, []):
+        branch = tree.add(_label(graph, storey))
+        for room in children.get(storey, []):
+            given = graph.nodes[room].properties
+            branch.add(f"{_label(graph, room)}  {show_value(given.get('area'))} m², {openings[room]} openings")
+            rows.append(
+                [
+                    room,
+                    given.get("name"),
+                    graph.nodes[storey].properties.get("index"),
+                    given.get("area"),
+                    given.get("height"),
+                    given.get("floor_elevation"),
+                    openings[room],
+                    segments[room],
+                    len(given.get("scans", ())),
+                ]
+            )
+    OUT.print(tree)
+    print_table(ROOM_COLUMNS, rows)
+
+
+def _label(graph: BuildingGraph, node: str) -> str:
+    from rich.markup import escape
+
+    name = graph.nodes[node].properties.get("name")
+    return escape(node if name in (None, node) else f"{node}  {name}")
+
+
+@click.command("remove")
+@click.argument("building")
+@click.option("--yes", is_flag=True, help="Do not ask.")
+@click.pass_context
+def remove_command(ctx: click.Context, building: str, yes: bool) -> None:
+    """Take a building out of the store, with its cloud."""
+    archive = open_archive(ctx)
+    if not yes:
+        click.confirm(f"Remove {building!r} from {archive.store.url}?", abort=True, err=True)
+    archive.remove(building)
+    ERR.print(f"Removed {building}", markup=False)
+
+
+@click.command("export")
+@click.argument("building")
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Folder, or a .json[l][.gz] file.")
+@click.pass_context
+def export_command(ctx: click.Context, building: str, output: Path) -> None:
+    """Write a building as graph.json, with its cloud.ply beside it."""
+    archive = open_archive(ctx)
+    graph = archive.store.read(building)
+    if output.suffix in (".json", ".jsonl", ".gz"):
+        write_graph(graph, output)
+        ERR.print(f"Wrote {output}", markup=False)
+        return
+    output.mkdir(parents=True, exist_ok=True)
+    write_graph(graph, output / "graph.json")
+    cloud = archive.cloud(building)
+    if cloud is not None:
+        from enfilade.clouds import write_cloud
+
+        write_cloud(output / "cloud.ply", cloud)
+    ERR.print(f"Wrote {output / 'graph.json'}" + (" and cloud.ply" if cloud is not None else ""), markup=False)
+
+
+@click.command("import")
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.pass_context
+def import_command(ctx: click.Context, files: tuple[Path, ...]) -> None:
+    """Read graph files (or folders with graph.json and cloud.ply) into the store."""
+    from enfilade.clouds import read_cloud
+
+    archive = open_archive(ctx, create=True)
+    count = 0
+    for given in files:
+        path = given / "graph.json" if given.is_dir() else given
+        if not path.is_file():
+            raise InputError(f"There is no graph file {path}; name a .json, .jsonl or .jsonl.gz file or a folder.")
+        cloud_path = path.with_name("cloud.ply")
+        cloud = read_cloud(cloud_path) if path.name == "graph.json" and cloud_path.is_file() else None
+        for graph in read_graphs(path):
+            archive.save(graph, cloud)
+            count += 1
+    ERR.print(f"Imported {count} building{'s' if count != 1 else ''} into {archive.store.url}", markup=False)
+
+
+@click.command("copy")
+@click.argument("buildings", nargs=-1)
+@click.option("--to", "target", required=True, help="The store to copy into.")
+@click.pass_context
+def copy_command(ctx: click.Context, buildings: tuple[str, ...], target: str) -> None:
+    """Copy buildings, all of them if none is named, into another store."""
+    source = open_archive(ctx)
+    destination = open_archive(ctx, create=True, url=target)
+    names = buildings or tuple(summary.id for summary in source.store.buildings())
+    for name in names:
+        destination.save(source.store.read(name), source.cloud(name))
+    ERR.print(f"Copied {len(names)} buildings into {destination.store.url}", markup=False)

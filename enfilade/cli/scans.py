@@ -1,0 +1,127 @@
+"""Commands on scans: ingest them, simulate them, compare what came out with the truth."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from enfilade.cli.terminal import ERR, OUT, open_archive, print_table, progress_bars
+from enfilade.errors import EnfiladeError, InputError
+from enfilade.stores.archive import Archive
+
+PATH = click.Path(path_type=Path)
+
+
+@click.command("ingest")
+@click.argument("scans", nargs=-1, required=True, type=PATH)
+@click.option("--building", help="Id: all SCANS are one building. Without it each argument is one, named after it.")
+@click.option("--rooms", "grouping", type=PATH, help="CSV `scan,room` that overrides the automatic grouping.")
+@click.pass_context
+def ingest_command(ctx: click.Context, scans: tuple[Path, ...], building: str | None, grouping: Path | None) -> None:
+    """Turn registered scans (E57 files or folders of them) into a graph in the store.
+
+    One building that fails does not stop the others; the exit status is 1 if any failed.
+    """
+    from enfilade.schema.ids import check_building
+
+    jobs = {building: list(scans)} if building is not None else _one_each(scans)
+    if grouping is not None and len(jobs) > 1:
+        raise click.UsageError("--rooms goes with one building; name it with --building.")
+    for name in jobs:
+        check_building(name)
+    archive = open_archive(ctx, create=True)
+    failed = 0
+    for name, paths in jobs.items():
+        try:
+            ingest_one(archive, name, paths, grouping)
+        except EnfiladeError as error:
+            if ctx.obj["debug"]:
+                raise
+            ERR.print(f"Error: {name}: {error}", markup=False)
+            failed += 1
+    ctx.exit(1 if failed else 0)
+
+
+def ingest_one(archive: Archive, building: str, scans: list[Path], grouping: Path | None = None) -> None:
+    """Ingest one building with bars, and say in a line what it became."""
+    from enfilade.ingest.pipeline import ingest
+
+    with progress_bars() as bars:
+        result = ingest(scans, building=building, rooms_csv=grouping, progress=bars)
+        bars.start("store")
+        archive.save(result.graph, result.cloud)
+    counts = {label: sum(1 for _ in result.graph.of_label(label)) for label in ("Storey", "Room", "Opening", "Object")}
+    said = ", ".join(f"{count} {label.lower()}{'s' if count != 1 else ''}" for label, count in counts.items())
+    ERR.print(f"{building}: {said}, in {archive.store.url}", markup=False)
+
+
+def _one_each(scans: tuple[Path, ...]) -> dict[str, list[Path]]:
+    jobs: dict[str, list[Path]] = {}
+    for path in scans:
+        name = path.resolve().name if path.is_dir() else path.stem
+        if name in jobs:
+            raise click.UsageError(f"Two of the arguments would be the building {name!r}; use --building.")
+        jobs[name] = [path]
+    return jobs
+
+
+@click.command("simulate")
+@click.argument("model", type=PATH, required=False)
+@click.option("-o", "--output", type=PATH, required=True, help="NAME.e57; the truth goes to NAME.truth/ beside it.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of noise and scan positions.")
+@click.option("--step", type=click.FloatRange(0.02, 5.0), help="Angle between rays, degrees.")
+@click.option(
+    "--closed", type=click.FloatRange(0.0, 1.0), default=0.0, show_default=True, help="Share of closed doors."
+)
+@click.option("--positions", type=PATH, help="CSV `x,y,z` of scanner positions, instead of some in every room.")
+def simulate_command(
+    model: Path | None, output: Path, seed: int, step: float | None, closed: float, positions: Path | None
+) -> None:
+    """Scan a building model with a virtual laser scanner.
+
+    MODEL is an IFC file or a mesh (OBJ, PLY, STL); without it the built-in demo building is scanned.
+    """
+    from dataclasses import replace
+
+    from enfilade.simulate import Scanner, load_scene, simulate
+
+    if output.suffix.lower() != ".e57":
+        raise InputError(f"The output {output} has to end in .e57.")
+    scanner = Scanner(seed=seed)
+    if step is not None:
+        scanner = replace(scanner, angular_step_deg=step)
+    with progress_bars() as bars:
+        scene = load_scene(model, closed_share=closed, positions=positions, seed=seed)
+        simulate(scene, output, parameters=scanner, progress=bars)
+    ERR.print(f"Wrote {output} and {output.with_suffix('.truth')}/", markup=False)
+
+
+@click.command("evaluate")
+@click.argument("prediction", type=PATH)
+@click.argument("truth", type=PATH)
+@click.option("--format", "form", type=click.Choice(["table", "json"]), default="table", show_default=True)
+@click.pass_context
+def evaluate_command(ctx: click.Context, prediction: Path, truth: Path, form: str) -> None:
+    """Compare a graph with the truth: two folders with graph.json and cloud.ply.
+
+    PREDICTION may also be a building of the store.
+    """
+    from enfilade.evaluate import evaluate, evaluate_graphs
+
+    if prediction.is_dir() or prediction.exists():
+        found = evaluate(prediction, truth)
+    else:
+        from enfilade.clouds import read_cloud
+        from enfilade.schema.exchange import read_graph
+
+        archive = open_archive(ctx)
+        building = str(prediction)
+        graph = archive.store.read(building)
+        cloud = read_cloud(archive.cloud_path(building))
+        found = evaluate_graphs(graph, cloud, read_graph(truth / "graph.json"), read_cloud(truth / "cloud.ply"))
+    if form == "json":
+        OUT.print_json(json.dumps(found.to_dict()))
+    else:
+        print_table(("what", "value"), found.to_table())

@@ -1,0 +1,1 @@
+"""``enfilade server``: a real Neo4j with its Browser on this machine."""
