@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from enfilade.errors import InputError
 from enfilade.native import open3d
 
+from .wavefront import read_obj
+
 MESH_SUFFIXES: Final = (".obj", ".ply", ".stl", ".off", ".gltf", ".glb")
 CLOUD_SUFFIXES: Final = (".ply", ".pcd", ".xyz", ".xyzn", ".xyzrgb", ".pts")
 _Y_UP: Final = (".gltf", ".glb")
@@ -63,15 +65,19 @@ def read_shape(path: str | Path) -> Shape:
     if suffix not in (*MESH_SUFFIXES, *CLOUD_SUFFIXES):
         known = ", ".join(dict.fromkeys((*MESH_SUFFIXES, *CLOUD_SUFFIXES)))
         raise InputError(f"{path} is neither a mesh nor a point cloud that can be read; use one of {known}.")
+    if suffix == ".ply":
+        _check_ply(path)
     shape = _read_mesh(path, suffix)
     if suffix in CLOUD_SUFFIXES and not shape.is_mesh:
         shape = _read_cloud(path)
     _check(shape, path)
-    return shape
+    return _without_loose_vertices(shape) if shape.is_mesh else shape
 
 
 def _read_mesh(path: Path, suffix: str) -> Shape:
     """Read a surface; an empty one where the file has none."""
+    if suffix == ".obj":
+        return Shape(path.stem, *read_obj(path))
     if suffix not in MESH_SUFFIXES:
         return Shape(path.stem, np.empty((0, 3)), np.empty((0, 3), np.int32))
     mesh = _quietly("read_triangle_mesh", path)
@@ -86,6 +92,12 @@ def _read_cloud(path: Path) -> Shape:
     return Shape(path.stem, np.asarray(cloud.points, dtype=np.float64).reshape(-1, 3), np.empty((0, 3), np.int32))
 
 
+def _without_loose_vertices(shape: Shape) -> Shape:
+    """Leave out the vertices of no face: they are not part of the surface, and must not move its foot."""
+    used, triangles = np.unique(shape.triangles, return_inverse=True)
+    return Shape(shape.name, shape.vertices[used], triangles.reshape(-1, 3).astype(np.int32))
+
+
 def _quietly(reader: str, path: Path) -> Any:
     """Call one of Open3D's readers, which report faults by an empty result; its own words stay unsaid."""
     o3d = open3d()
@@ -94,6 +106,13 @@ def _quietly(reader: str, path: Path) -> Any:
             return getattr(o3d.io, reader)(str(path))
         except RuntimeError as error:
             raise InputError(f"{path} cannot be read: it is damaged or not what its suffix says.") from error
+
+
+def _check_ply(path: Path) -> None:
+    """Refuse what Open3D's PLY reader would complain about on standard error."""
+    with path.open("rb") as file:
+        if file.read(3) != b"ply":
+            raise InputError(f"{path} is no PLY file: it does not begin with 'ply'.")
 
 
 def _check(shape: Shape, path: Path) -> None:

@@ -1,0 +1,169 @@
+"""Descriptors: the counts, the bins, and the distance."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from enfilade.descriptors import DEFAULT_LAYOUT, PAPER_LAYOUT, TOTAL, Layout, describe, distances, quantise
+
+SMALL = Layout(slices=3, slice_height_m=0.5, shells=2, shell_width_m=0.5, sectors=8)
+
+histograms = arrays(np.float64, SMALL.bins, elements=st.floats(0, 1e6)).filter(lambda values: values.sum() > 1e-3)
+counts = histograms.map(quantise)
+
+
+def by_the_book(query, other, shape):
+    """Eq. 11 word for word, with *min* for *argmin*."""
+    q, o = (np.asarray(d, float).reshape(shape) / TOTAL for d in (query, other))
+    least = np.inf
+    for shift in range(shape[2]):
+        turned = np.roll(o, -shift, axis=2)
+        total = q + turned
+        terms = np.divide((q - turned) ** 2, total, out=np.zeros(shape), where=total > 0)
+        least = min(least, terms.sum())
+    return least
+
+
+def scattered(seed, count=300, spread=0.6):
+    """Points in a blob, none close to a border between sectors of 16."""
+    rng = np.random.default_rng(seed)
+    angle = (rng.integers(0, 16, count) + rng.uniform(0.2, 0.8, count)) * np.pi / 8
+    # Each point has its mirror image, so that the mean stays on the axis.
+    angle = np.concatenate([angle, angle + np.pi])
+    radius = np.tile(rng.uniform(0.05, spread, count), 2)
+    height = np.tile(rng.uniform(0, 1.5, count), 2)
+    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), height])
+
+
+@given(histograms)
+def test_counts_sum_to_the_total_and_stay_within_one_of_the_exact_value(values):
+    result = quantise(values)
+    assert result.dtype == np.uint16
+    assert int(result.sum()) == TOTAL
+    assert np.abs(result - values * TOTAL / values.sum()).max() < 1 + 1e-6
+
+
+@given(counts)
+def test_counts_come_back_from_shares(given_counts):
+    assert np.array_equal(quantise(given_counts / TOTAL), given_counts)
+
+
+def test_equal_remainders_are_served_in_order_of_bins():
+    assert quantise(np.ones(7)).tolist() == [8778, 8777, 8777, 8777, 8777, 8777, 8777]
+
+
+@pytest.mark.parametrize("values", [[0.0, 0.0], [1.0, -0.1], [np.nan, 1.0], [np.inf, 1.0], []])
+def test_no_histogram_no_counts(values):
+    with pytest.raises(ValueError, match="histogram"):
+        quantise(np.array(values))
+
+
+@settings(max_examples=30)
+@given(counts, st.lists(counts, min_size=1, max_size=4))
+def test_distance_follows_the_equation(query, others):
+    found = distances(query, np.stack(others), SMALL.shape)
+    expected = [by_the_book(query, other, SMALL.shape) for other in others]
+    np.testing.assert_allclose(found, expected, atol=1e-11)
+
+
+@given(counts, counts)
+def test_distance_is_symmetric_and_bounded(a, b):
+    there, back = distances(a, b[None], SMALL.shape)[0], distances(b, a[None], SMALL.shape)[0]
+    assert there == back
+    assert 0 <= there <= 2
+
+
+@given(counts, st.integers(0, SMALL.sectors - 1))
+def test_a_turned_descriptor_is_at_distance_zero(descriptor, shift):
+    turned = np.roll(descriptor.reshape(SMALL.shape), shift, axis=2).reshape(1, -1)
+    assert distances(descriptor, turned, SMALL.shape)[0] == 0.0
+
+
+def test_descriptors_that_share_no_bin_are_as_far_apart_as_can_be():
+    low, high = np.zeros(SMALL.bins), np.zeros(SMALL.bins)
+    low[:8], high[-8:] = 1, 1
+    assert distances(quantise(low), quantise(high)[None], SMALL.shape)[0] == 2.0
+
+
+@given(counts, counts, counts)
+def test_of_several_views_the_nearest_counts(a, b, c):
+    each = [distances(view, c[None], SMALL.shape)[0] for view in (a, b)]
+    assert distances(np.stack([a, b]), c[None], SMALL.shape)[0] == min(each)
+
+
+def test_a_table_of_many_rows_gives_what_each_row_gives():
+    rng = np.random.default_rng(3)
+    table = np.stack([quantise(row) for row in rng.random((5000, SMALL.bins))])
+    whole = distances(table[0], table, SMALL.shape)
+    assert whole[4321] == distances(table[0], table[4321:4322], SMALL.shape)[0]
+    assert whole.argmin() == 0
+
+
+def test_descriptors_of_other_shapes_are_refused():
+    with pytest.raises(ValueError, match="do not fit"):
+        distances(quantise(np.ones(10)), quantise(np.ones(12))[None], (1, 1, 12))
+
+
+@settings(max_examples=25)
+@given(st.integers(0, 10_000), st.integers(0, 15), st.booleans())
+def test_an_object_turned_by_sectors_keeps_its_descriptor(seed, turns, paper):
+    layout = Layout(cell_m=0.0, annulus_weight=paper)
+    points = scattered(seed)
+    angle = turns * np.pi / 8
+    turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    a, b = describe(points, 0.0, layout), describe(points @ turn.T, 0.0, layout)
+    # One vote on the border of a shell may fall to either side after the rotation's rounding.
+    assert distances(a, b[None], layout.shape)[0] < 0.01
+
+
+@given(st.integers(0, 10_000), arrays(np.float64, 3, elements=st.integers(-500, 500).map(float)))
+@settings(max_examples=25)
+def test_a_moved_object_keeps_its_descriptor(seed, way):
+    points = scattered(seed)
+    here, there = describe(points, 0.0), describe(points + way, way[2])
+    assert distances(here, there[None], DEFAULT_LAYOUT.shape)[0] < 0.02
+
+
+@given(st.integers(0, 1000))
+@settings(max_examples=15)
+def test_points_beyond_the_bins_count_in_the_nearest(seed):
+    points = scattered(seed) * [9, 9, 9] - [0, 0, 5]
+    assert int(describe(points, 0.0).sum()) == TOTAL
+
+
+def test_one_point_fills_the_bins_around_it():
+    layout = Layout(slices=5, slice_height_m=1, shells=4, shell_width_m=1, sectors=8)
+    values = describe(np.array([[3.0, 4.0, 2.5]]), 0.0, layout).reshape(layout.shape)
+    # The point is its own axis: shell 0, sector 0. Below shell 0 the filter finds shell 0 again.
+    assert np.argwhere(values.sum(axis=(1, 2))).ravel().tolist() == [1, 2, 3]
+    assert np.argwhere(values.sum(axis=(0, 2))).ravel().tolist() == [0, 1]
+    assert np.argwhere(values.sum(axis=(0, 1))).ravel().tolist() == [0, 1, 7]
+    ratio = values[2, 0] / np.maximum(values[2, 1], 1)
+    assert ratio[[0, 1, 7]] == pytest.approx([2, 2, 2], abs=0.01)
+
+
+def test_points_of_one_cell_vote_once():
+    corners = np.array([[0.5, 0.5, 0.1], [-0.5, 0.5, 0.1], [-0.5, -0.5, 0.1], [0.5, -0.5, 0.1]])
+    dense = np.concatenate([corners, np.repeat(corners[:1], 500, axis=0)])
+    assert np.array_equal(describe(corners, 0.0), describe(dense, 0.0))
+    crowded = Layout(cell_m=0.0)
+    assert not np.array_equal(describe(corners, 0.0, crowded), describe(dense, 0.0, crowded))
+
+
+def test_the_annulus_weight_makes_an_even_disc_even():
+    side = np.arange(-1.2, 1.2, 0.01)
+    x, y = (axis.ravel() for axis in np.meshgrid(side, side))
+    disc = np.column_stack([x, y, np.full_like(x, 0.1)])[np.hypot(x, y) < 1.2]
+    shells = describe(disc, 0.0, PAPER_LAYOUT).reshape(PAPER_LAYOUT.shape).sum(axis=(0, 2))
+    assert shells.max() / shells.min() < 1.05
+
+
+def test_no_points_no_descriptor():
+    with pytest.raises(ValueError, match="at least one point"):
+        describe(np.empty((0, 3)), 0.0)
+    with pytest.raises(ValueError, match="finite"):
+        describe(np.array([[0.0, np.nan, 0.0]]), 0.0)
