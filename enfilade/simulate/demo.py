@@ -1,0 +1,262 @@
+"""The built-in demo building: two storeys, fourteen rooms, furniture, all from code.
+
+The paper's question has answers in it: the hall (about 15 m², with the stairs up) has doors to a bathroom of about
+11 m² and to a guest room of about 15 m², each with a basin; a third basin is upstairs.
+"""
+
+from __future__ import annotations
+
+from .furniture import basin, bathtub, bed, cabinet, chair, shelf, sofa, table, toilet, wardrobe
+from .plan import Flight, Hole, Level, Piece, Plan, Space, Wall, build
+from .scene import Scene
+from .solids import Mesh
+
+NORTH, WEST, SOUTH, EAST = 0.0, 90.0, 180.0, -90.0
+"""The way a piece of furniture has its back."""
+
+_STAIRS = (1.3, 5.0, 5.2, 6.2)
+_WELL = (2.05, 5.0, 5.2, 6.2)
+
+
+def demo_scene() -> Scene:
+    """Return the built-in demo building, furnished."""
+    return build(demo_plan())
+
+
+def basin_mesh() -> Mesh:
+    """Return a basin to ask with: of another size than those in the demo building."""
+    return basin(width=0.56, depth=0.42, height=0.82)
+
+
+def demo_plan() -> Plan:
+    """Return the plan of the demo building."""
+    balustrades = (((2.01, 5.16), (5.0, 5.16)), ((2.01, 5.12), (2.01, 6.2)))
+    flight = Flight(("Hall", "Landing"), _STAIRS, _WELL, 0.0, 2.9, balustrades)
+    return Plan("demo", (0.0, 12.6, 0.0, 10.5), (_ground(), _upper()), (flight,))
+
+
+def _ground() -> Level:
+    spaces = (
+        Space(
+            "Bath",
+            (0.3, 3.85, 0.3, 3.45),
+            (
+                Piece("basin", basin(), (1.35, 0.56), SOUTH),
+                Piece("toilet", toilet(), (0.66, 1.9), WEST),
+                Piece("bathtub", bathtub(), (3.45, 1.2)),
+            ),
+        ),
+        Space(
+            "Study",
+            (4.0, 6.05, 0.3, 3.45),
+            (
+                Piece("table", table(1.2, 0.65), (4.68, 0.7), SOUTH),
+                Piece("chair", chair(), (4.7, 1.35), SOUTH),
+                Piece("shelf", shelf(1.0), (4.18, 2.5), WEST),
+            ),
+        ),
+        Space("Hall", (0.3, 6.05, 3.6, 6.2), (Piece("cabinet", cabinet(0.9, 0.35, 0.8), (5.86, 5.6), EAST),)),
+        Space("Kitchen", (6.25, 12.3, 0.3, 3.45), _kitchen()),
+        Space("Living room", (6.25, 12.3, 3.6, 10.2), _living_room()),
+        Space(
+            "Guest room",
+            (0.3, 4.23, 6.35, 10.2),
+            (
+                Piece("bed", bed(), (3.6, 9.1), NORTH),
+                Piece("basin", basin(0.48, 0.36, 0.8), (0.49, 8.0), WEST),
+                Piece("wardrobe", wardrobe(1.2), (3.9, 7.2), EAST),
+                Piece("chair", chair(), (1.5, 9.85), NORTH),
+            ),
+        ),
+        Space(
+            "Storage",
+            (4.35, 6.05, 6.35, 10.2),
+            (Piece("shelf", shelf(1.0, 0.4), (4.56, 7.2), WEST), Piece("shelf", shelf(0.8, 0.4, 1.5, 4), (5.2, 9.98), NORTH)),
+        ),
+    )
+    return Level("Ground floor", 0.0, 2.6, spaces, _ground_walls())
+
+
+def _kitchen() -> tuple[Piece, ...]:
+    units = tuple(Piece("kitchen unit", cabinet(), (6.56 + 0.6 * k, 0.6), SOUTH) for k in range(4))
+    chairs = tuple(
+        Piece("chair", chair(), (10.6 + dx, 1.75 + dy), back)
+        for dx, dy, back in ((-0.35, 0.62, NORTH), (0.4, 0.66, NORTH), (-0.4, -0.64, SOUTH), (0.35, -0.6, SOUTH))
+    )
+    return (*units, Piece("table", table(1.6, 0.9), (10.6, 1.75)), *chairs)
+
+
+def _living_room() -> tuple[Piece, ...]:
+    return (
+        Piece("sofa", sofa(), (8.6, 9.7), NORTH),
+        Piece("sofa", sofa(1.0), (6.8, 6.7), WEST),
+        Piece("low table", table(1.1, 0.6, 0.42), (8.6, 8.4)),
+        Piece("shelf", shelf(1.2), (12.12, 4.5), EAST),
+        Piece("shelf", shelf(0.9, 0.35, 1.2, 4), (12.1, 9.5), EAST),
+        Piece("table", table(1.2, 1.2), (10.4, 5.6)),
+        Piece("chair", chair(), (9.6, 5.6), WEST),
+        Piece("chair", chair(), (11.25, 5.7), EAST),
+    )
+
+
+def _ground_walls() -> tuple[Wall, ...]:
+    return (
+        Wall(
+            (0.0, 0.15),
+            (12.6, 0.15),
+            0.3,
+            (
+                Hole("window", 2.2, 0.9, 0.7, (None, "Bath"), 1.5),
+                Hole("window", 5.0, 1.2, 1.2, (None, "Study"), 0.9),
+                Hole("window", 8.0, 1.8, 1.1, (None, "Kitchen"), 1.05),
+                Hole("window", 11.0, 1.2, 1.3, (None, "Kitchen"), 0.9),
+            ),
+        ),
+        Wall((12.45, 0.3), (12.45, 10.2), 0.3, (Hole("window", 6.9, 2.4, 1.9, (None, "Living room"), 0.4),)),
+        Wall(
+            (12.6, 10.35),
+            (0.0, 10.35),
+            0.3,
+            (
+                Hole("window", 4.0, 1.8, 1.2, (None, "Living room"), 0.9),
+                Hole("window", 10.4, 1.5, 1.2, (None, "Guest room"), 0.9),
+            ),
+        ),
+        Wall((0.15, 10.2), (0.15, 0.3), 0.3, (Hole("door", 5.8, 1.0, 2.1, (None, "Hall"), closed=True),)),
+        Wall(
+            (0.3, 3.525),
+            (12.3, 3.525),
+            0.15,
+            (
+                Hole("door", 2.6, 0.8, 2.0, ("Bath", "Hall")),
+                Hole("door", 4.9, 0.9, 2.05, ("Study", "Hall")),
+                Hole("passage", 9.2, 2.4, 2.6, ("Kitchen", "Living room")),
+            ),
+        ),
+        Wall(
+            (6.15, 0.3),
+            (6.15, 10.2),
+            0.2,
+            (
+                Hole("door", 1.9, 0.7, 2.0, ("Kitchen", "Study")),
+                Hole("door", 4.1, 1.2, 2.1, ("Living room", "Hall")),
+                Hole("door", 8.1, 0.8, 2.0, ("Living room", "Storage"), closed=True),
+            ),
+        ),
+        Wall((3.925, 0.3), (3.925, 3.45), 0.15),
+        Wall((0.3, 6.275), (6.05, 6.275), 0.15, (Hole("door", 0.5, 0.85, 2.0, ("Hall", "Guest room")),)),
+        Wall((4.29, 6.35), (4.29, 10.2), 0.12),
+    )
+
+
+def _upper() -> Level:
+    return Level("Upper floor", 2.9, 5.4, _upper_spaces(), _upper_walls())
+
+
+def _upper_spaces() -> tuple[Space, ...]:
+    return (
+        Space(
+            "Bedroom 1",
+            (0.3, 4.6, 0.3, 3.45),
+            (
+                Piece("bed", bed(1.6), (1.45, 1.33), SOUTH),
+                Piece("bedside cabinet", cabinet(0.4, 0.38, 0.5), (2.55, 0.5), SOUTH),
+                Piece("wardrobe", wardrobe(1.8), (4.28, 1.6), EAST),
+            ),
+        ),
+        Space(
+            "Shower room",
+            (4.75, 7.4, 0.3, 3.45),
+            (
+                Piece("basin", basin(0.75, 0.5, 0.88), (7.13, 2.2), EAST),
+                Piece("toilet", toilet(0.36, 0.62), (5.08, 1.0), WEST),
+                Piece("cabinet", cabinet(), (7.09, 0.62), EAST),
+            ),
+        ),
+        Space(
+            "Bedroom 2",
+            (7.55, 12.3, 0.3, 3.45),
+            (
+                Piece("bed", bed(1.2), (11.6, 1.35), SOUTH),
+                Piece("wardrobe", wardrobe(1.5), (7.87, 1.3), WEST),
+                Piece("table", table(1.3, 0.65), (9.3, 0.66), SOUTH),
+                Piece("chair", chair(), (9.25, 1.3), NORTH),
+            ),
+        ),
+        Space("Landing", (0.3, 6.1, 3.6, 6.2), (Piece("shelf", shelf(0.8, 0.3, 1.1, 3), (0.47, 4.3), WEST),)),
+        Space("Corridor", (6.25, 12.3, 3.6, 5.0), (Piece("cabinet", cabinet(1.0, 0.35, 0.9), (8.0, 4.8), NORTH),)),
+        Space(
+            "Bedroom 3",
+            (0.3, 6.1, 6.35, 10.2),
+            (
+                Piece("bed", bed(1.8, 2.1), (1.37, 8.2), WEST),
+                Piece("bedside cabinet", cabinet(0.45, 0.4, 0.5), (0.52, 9.6), WEST),
+                Piece("wardrobe", wardrobe(2.0, 0.6, 2.1), (4.6, 9.88), NORTH),
+                Piece("sofa", sofa(0.95, 0.8), (5.5, 7.2), EAST),
+            ),
+        ),
+        Space("Studio", (6.25, 12.3, 5.15, 10.2), _studio()),
+    )
+
+
+def _studio() -> tuple[Piece, ...]:
+    tables = tuple(Piece("table", table(1.5, 0.75), (x, 7.8)) for x in (7.9, 9.9))
+    chairs = tuple(Piece("chair", chair(), (x, 7.2), SOUTH) for x in (7.8, 10.0))
+    return (
+        *tables,
+        *chairs,
+        Piece("shelf", shelf(1.0), (6.43, 9.4), WEST),
+        Piece("shelf", shelf(1.0), (6.43, 8.3), WEST),
+        Piece("table", table(0.9, 0.9, 1.05), (11.2, 9.0)),
+        Piece("cabinet", cabinet(1.2, 0.45, 0.75), (12.05, 6.4), EAST),
+    )
+
+
+def _upper_walls() -> tuple[Wall, ...]:
+    return (
+        Wall(
+            (0.0, 0.15),
+            (12.6, 0.15),
+            0.3,
+            (
+                Hole("window", 2.9, 1.4, 1.2, (None, "Bedroom 1"), 0.9),
+                Hole("window", 6.1, 0.7, 0.7, (None, "Shower room"), 1.4),
+                Hole("window", 9.6, 1.5, 1.2, (None, "Bedroom 2"), 0.9),
+            ),
+        ),
+        Wall(
+            (12.45, 0.3),
+            (12.45, 10.2),
+            0.3,
+            (
+                Hole("window", 4.0, 0.9, 1.3, (None, "Corridor"), 0.9),
+                Hole("window", 7.6, 1.8, 1.4, (None, "Studio"), 0.9),
+            ),
+        ),
+        Wall(
+            (12.6, 10.35),
+            (0.0, 10.35),
+            0.3,
+            (
+                Hole("window", 2.2, 1.5, 1.4, (None, "Studio"), 0.9),
+                Hole("window", 4.6, 1.5, 1.4, (None, "Studio"), 0.9),
+                Hole("window", 10.3, 1.5, 1.2, (None, "Bedroom 3"), 0.9),
+            ),
+        ),
+        Wall((0.15, 10.2), (0.15, 0.3), 0.3, (Hole("window", 4.9, 0.9, 1.2, (None, "Landing"), 0.9),)),
+        Wall(
+            (0.3, 3.525),
+            (12.3, 3.525),
+            0.15,
+            (
+                Hole("door", 3.2, 0.8, 2.0, ("Bedroom 1", "Landing")),
+                Hole("door", 5.1, 0.7, 2.0, ("Shower room", "Landing")),
+                Hole("door", 8.6, 0.85, 2.0, ("Bedroom 2", "Corridor")),
+            ),
+        ),
+        Wall((4.675, 0.3), (4.675, 3.45), 0.15),
+        Wall((7.475, 0.3), (7.475, 3.45), 0.15),
+        Wall((6.175, 3.6), (6.175, 10.2), 0.15, (Hole("door", 0.7, 0.9, 2.05, ("Corridor", "Landing")),)),
+        Wall((0.3, 6.275), (6.1, 6.275), 0.15, (Hole("door", 0.9, 0.9, 2.0, ("Landing", "Bedroom 3")),)),
+        Wall((6.25, 5.075), (12.3, 5.075), 0.15, (Hole("door", 4.2, 1.3, 2.1, ("Corridor", "Studio")),)),
+    )

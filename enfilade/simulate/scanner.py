@@ -1,0 +1,263 @@
+"""The virtual terrestrial laser scanner: what it measures from one position."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from enfilade.native import open3d
+
+from .scene import Scene
+from .solids import F64, Mesh, unit_normals
+
+F32 = NDArray[np.float32]
+Generator = np.random.Generator
+
+
+@dataclass(frozen=True, slots=True)
+class Scanner:
+    """What the scanner can and cannot do; defaults are those of a phase-shift scanner set to a coarse grid.
+
+    Attributes
+    ----------
+    angular_step_deg
+        Step of the grid in azimuth and elevation.
+    elevation_from_deg, elevation_to_deg
+        Vertical field of view; the tripod hides what is below.
+    range_noise_m
+        Standard deviation of a range.
+    range_from_m, range_to_m
+        Shortest and longest range.
+    mixed_share, mixed_jump_m
+        Share of the pixels next to a jump in range, of at least so much, that get a range in between.
+    grazing_from_deg
+        Angle of incidence from which returns get lost, all of them at 90°.
+    glass_return
+        Share of rays that a pane sends back; the others go through.
+    glass_loss
+        Share of the rays through a pane that never come back.
+    dropout
+        Share of rays lost for no reason.
+    registration_m, registration_deg
+        Standard deviation of each coordinate and of each angle of the pose that the registration gives a scan.
+    height_m
+        Height of the scanner over the floor.
+    seed
+        Of everything random.
+    """
+
+    angular_step_deg: float = 0.4
+    elevation_from_deg: float = -60.0
+    elevation_to_deg: float = 90.0
+    range_noise_m: float = 0.002
+    range_from_m: float = 0.3
+    range_to_m: float = 60.0
+    mixed_share: float = 0.2
+    mixed_jump_m: float = 0.05
+    grazing_from_deg: float = 80.0
+    glass_return: float = 0.08
+    glass_loss: float = 0.3
+    dropout: float = 0.005
+    registration_m: float = 0.002
+    registration_deg: float = 0.01
+    height_m: float = 1.5
+    seed: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """Where a scan is said to stand: ``world = rotation @ local + translation``."""
+
+    rotation: F64
+    translation: F64
+
+    @property
+    def quaternion(self) -> F64:
+        """``(4,)`` w, x, y, z of the rotation, for angles below 180°."""
+        matrix = self.rotation
+        w = np.sqrt(max(0.0, 1.0 + np.trace(matrix))) / 2
+        skew = [matrix[2, 1] - matrix[1, 2], matrix[0, 2] - matrix[2, 0], matrix[1, 0] - matrix[0, 1]]
+        return np.array([w, *(np.array(skew) / (4 * w))])
+
+    def apply(self, local: NDArray[Any]) -> F64:
+        """``(K, 3)`` scanner coordinates to ``(K, 3) float64`` world coordinates."""
+        moved: F64 = local.astype(np.float64) @ self.rotation.T + self.translation
+        return moved
+
+
+@dataclass(frozen=True, slots=True)
+class Scan:
+    """What one position measured, K points.
+
+    Attributes
+    ----------
+    name
+        Of the scan in the file.
+    pose
+        The registered pose, with its error.
+    local
+        ``(K, 3) float32`` in the scanner's frame, metres.
+    intensity
+        ``(K,) float32`` in 0 to 1.
+    triangle
+        ``(K,) int32`` the scene's triangle that was hit.
+    hit
+        ``(K, 3) float32`` the true point on that triangle.
+    normal
+        ``(K, 3) float32`` its unit normal, turned towards the scanner.
+    mixed
+        ``(K,)`` whether the range lies between that of two surfaces.
+    """
+
+    name: str
+    pose: Pose
+    local: F32
+    intensity: F32
+    triangle: NDArray[np.int32]
+    hit: F32
+    normal: F32
+    mixed: NDArray[np.bool_]
+
+
+class Tracer:
+    """The scene as the scanner's rays meet it."""
+
+    def __init__(self, scene: Scene, scanner: Scanner) -> None:
+        self._scanner = scanner
+        self._solid_ids = np.flatnonzero(~scene.glass)
+        self._glass_ids = np.flatnonzero(scene.glass)
+        self._solids = caster(scene.submesh(~scene.glass))
+        self._panes = caster(scene.submesh(scene.glass)) if scene.glass.any() else None
+        self._normals = unit_normals(scene.mesh).astype(np.float32)
+        self._directions = ray_grid(scanner)
+
+    @property
+    def rays(self) -> int:
+        """Rays a scan."""
+        return self._directions.shape[0] * self._directions.shape[1]
+
+    def scan(self, name: str, station: F64, generator: Generator) -> Scan:
+        """Measure from one position; the scanner's frame is turned by a random yaw."""
+        yaw = rotation_about_z(generator.uniform(-170.0, 170.0))
+        directions = (self._directions.reshape(-1, 3) @ yaw.T.astype(np.float32)).astype(np.float32)
+        ranges, triangle = self._first_hits(station, directions, generator)
+        shape = self._directions.shape[:2]
+        measured, mixed = self._measure(ranges.reshape(shape), generator)
+        normal = self._normals[np.maximum(triangle, 0)]
+        cosine = -np.einsum("ij,ij->i", normal, directions)
+        keep = self._returned(ranges, np.abs(cosine), generator)
+        normal *= np.where(cosine < 0, -1, 1)[:, None].astype(np.float32)
+        local = self._directions.reshape(-1, 3)[keep] * measured.reshape(-1)[keep, None]
+        return Scan(
+            name,
+            self._registered(station, yaw, generator),
+            local.astype(np.float32),
+            _intensity(triangle[keep], np.abs(cosine[keep])),
+            triangle[keep],
+            (station + directions[keep] * ranges[keep, None].astype(np.float64)).astype(np.float32),
+            normal[keep],
+            mixed.reshape(-1)[keep],
+        )
+
+    def _first_hits(
+        self, station: F64, directions: F32, generator: Generator
+    ) -> tuple[F32, NDArray[np.int32]]:
+        """Range and triangle of what each ray meets; infinity and -1 where it meets nothing."""
+        ranges, triangle = cast(self._solids, station, directions)
+        triangle = np.where(triangle >= 0, self._solid_ids[triangle], -1).astype(np.int32)
+        if self._panes is None:
+            return ranges, triangle
+        pane_range, pane = cast(self._panes, station, directions)
+        through = pane_range < ranges
+        chance = generator.random(len(ranges), dtype=np.float32)
+        back = through & (chance < self._scanner.glass_return)
+        lost = through & (chance > 1 - self._scanner.glass_loss)
+        ranges = np.where(back, pane_range, np.where(lost, np.float32(np.inf), ranges))
+        return ranges, np.where(back, self._glass_ids[pane], np.where(lost, -1, triangle)).astype(np.int32)
+
+    def _measure(self, ranges: F32, generator: Generator) -> tuple[F32, NDArray[np.bool_]]:
+        """``(columns, rows)`` ranges with noise and edge-mixed pixels, and which those are."""
+        chance = generator.random(ranges.shape, dtype=np.float32)
+        other = np.where(chance < self._scanner.mixed_share / 2, np.roll(ranges, -1, axis=0), np.roll(ranges, -1, axis=1))
+        with np.errstate(invalid="ignore"):
+            jump = np.abs(other - ranges) > self._scanner.mixed_jump_m
+        mixed = jump & np.isfinite(other) & np.isfinite(ranges) & (chance < self._scanner.mixed_share)
+        mixed[:, -1] &= chance[:, -1] < self._scanner.mixed_share / 2
+        weight = generator.random(ranges.shape, dtype=np.float32)
+        noise = generator.standard_normal(ranges.shape, dtype=np.float32) * np.float32(self._scanner.range_noise_m)
+        blended = np.where(mixed, weight * ranges + (1 - weight) * np.where(mixed, other, 0), ranges)
+        return (blended + noise).astype(np.float32), mixed
+
+    def _returned(self, ranges: F32, cosine: F32, generator: Generator) -> NDArray[np.bool_]:
+        """Which rays come back: in range, not lost at a grazing angle, not lost at random."""
+        scanner = self._scanner
+        incidence = np.degrees(np.arccos(np.clip(cosine, 0.0, 1.0)))
+        loss = np.clip((incidence - scanner.grazing_from_deg) / (90.0 - scanner.grazing_from_deg), 0.0, 1.0)
+        chance = generator.random(len(ranges), dtype=np.float32)
+        in_range = (ranges >= scanner.range_from_m) & (ranges <= scanner.range_to_m)
+        return in_range & (chance >= scanner.dropout + (1 - scanner.dropout) * loss)
+
+    def _registered(self, station: F64, yaw: F64, generator: Generator) -> Pose:
+        shift = generator.normal(0.0, self._scanner.registration_m, 3)
+        angles = np.radians(generator.normal(0.0, self._scanner.registration_deg, 3))
+        return Pose(_small_rotation(angles) @ yaw, station + shift)
+
+
+def ray_grid(scanner: Scanner) -> F32:
+    """``(columns, rows, 3) float32`` unit directions, columns of one azimuth from low to high."""
+    step = scanner.angular_step_deg
+    azimuth = np.radians(np.arange(0.0, 360.0 - step / 2, step))[:, None]
+    elevation = np.radians(np.arange(scanner.elevation_from_deg, scanner.elevation_to_deg + step / 2, step))[None]
+    level = np.cos(elevation)
+    directions = np.stack(
+        np.broadcast_arrays(np.cos(azimuth) * level, np.sin(azimuth) * level, np.sin(elevation)), axis=-1
+    )
+    return directions.astype(np.float32)
+
+
+def caster(mesh: Mesh) -> Any:
+    """Return an Open3D ray casting scene of one mesh."""
+    core = open3d().core
+    scene = open3d().t.geometry.RaycastingScene(nthreads=0)
+    scene.add_triangles(
+        core.Tensor(np.ascontiguousarray(mesh.vertices, dtype=np.float32)),
+        core.Tensor(np.ascontiguousarray(mesh.triangles, dtype=np.uint32)),
+    )
+    return scene
+
+
+def cast(scene: Any, origins: NDArray[Any], directions: NDArray[Any]) -> tuple[F32, NDArray[np.int64]]:
+    """Range (infinity for none) and triangle (-1 for none) of the first hit of each ray."""
+    rays = np.empty((len(directions), 6), dtype=np.float32)
+    rays[:, :3] = origins
+    rays[:, 3:] = directions
+    answer = scene.cast_rays(open3d().core.Tensor(rays))
+    triangle = answer["primitive_ids"].numpy().astype(np.int64)
+    ranges: F32 = answer["t_hit"].numpy()
+    return ranges, np.where(np.isfinite(ranges), triangle, -1)
+
+
+def rotation_about_z(angle_deg: float) -> F64:
+    """``(3, 3)`` rotation matrix."""
+    cosine, sine = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
+    return np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+
+
+def _small_rotation(angles: F64) -> F64:
+    """Rotation by a ``(3,)`` vector of radians (Rodrigues)."""
+    angle = float(np.linalg.norm(angles))
+    if angle == 0.0:
+        return np.eye(3)
+    x, y, z = angles / angle
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    rotation: F64 = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+    return rotation
+
+
+def _intensity(triangle: NDArray[np.int32], cosine: F32) -> F32:
+    """Lambert's law with a reflectance that depends on the triangle pair (a box's side has two)."""
+    reflectance = 0.4 + 0.1 * ((triangle // 2) % 6)
+    return (reflectance * cosine).astype(np.float32)

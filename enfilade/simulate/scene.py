@@ -1,0 +1,188 @@
+"""What the virtual scanner stands in: triangles that know what they are, and the truth about rooms and openings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from shapely import Polygon
+
+from .solids import F64, I32, Mesh, merge, unit_normals
+
+OUTSIDE = -1
+
+
+@dataclass(frozen=True, slots=True)
+class Storey:
+    """A storey: its index from the lowest, its level in metres, its name."""
+
+    index: int
+    elevation: float
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Room:
+    """A space bounded by walls.
+
+    Attributes
+    ----------
+    number
+        Number of the id, also the place in `Scene.rooms`.
+    storey
+        Index of its storey.
+    outline
+        Rings as ``(K, 2) float64``, metres, open, the outer one first.
+    boundary
+        Closed mesh of the space: a point is in the room where it is in the mesh.
+    floor_elevation, ceiling_elevation
+        Metres.
+    """
+
+    number: int
+    storey: int
+    name: str
+    outline: tuple[F64, ...]
+    boundary: Mesh
+    floor_elevation: float
+    ceiling_elevation: float
+
+    @property
+    def polygon(self) -> Polygon:
+        """The plan polygon."""
+        return Polygon(self.outline[0], self.outline[1:])
+
+    @property
+    def area(self) -> float:
+        """Area of the plan polygon, m²."""
+        return float(self.polygon.area)
+
+
+@dataclass(frozen=True, slots=True)
+class Opening:
+    """A door, passage, window, stairs or hatch.
+
+    Attributes
+    ----------
+    kind, state
+        As in the graph; `state` is None where there is nothing to open.
+    position
+        ``(3,)`` centre of the hole, metres.
+    axis, normal
+        ``(3,)`` unit vectors along the width and across the hole.
+    width, height
+        Of the hole along `axis` and along ``normal × axis``, metres.
+    depth
+        Thickness of the wall or slab, metres.
+    sill
+        Height of the lower edge over the floor, metres; None for openings in a slab.
+    rooms
+        The two rooms, the one that `normal` points away from first; `OUTSIDE` for none.
+    ends
+        Of stairs: ``(2, 3)`` foot and head, where scanners are wanted; otherwise None.
+    """
+
+    kind: str
+    state: str | None
+    position: F64
+    axis: F64
+    normal: F64
+    width: float
+    height: float
+    depth: float
+    sill: float | None
+    rooms: tuple[int, int]
+    ends: F64 | None = None
+
+    @property
+    def horizontal(self) -> bool:
+        """Whether one goes through it level (a door), not up or down (stairs)."""
+        return self.kind not in ("stairs", "hatch")
+
+
+@dataclass(frozen=True, slots=True)
+class Furnishing:
+    """One piece of furniture or fixture: number of the id, room (`OUTSIDE` for none), name."""
+
+    number: int
+    room: int
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """Triangles and the truth about them.
+
+    Attributes
+    ----------
+    mesh
+        T triangles, metres.
+    furnishing
+        ``(T,) int32`` number of the piece of furniture, -1 for structure.
+    surface
+        ``(T,) int32`` number of the flat side of a wall, slab or other structure, -1 for furniture and glass.
+    glass
+        ``(T,)`` whether the scanner sees through.
+    stations
+        ``(S, 3)`` scanner positions to use, or None to find them.
+    """
+
+    name: str
+    mesh: Mesh
+    furnishing: I32
+    surface: I32
+    glass: NDArray[np.bool_]
+    storeys: tuple[Storey, ...]
+    rooms: tuple[Room, ...]
+    openings: tuple[Opening, ...]
+    furnishings: tuple[Furnishing, ...]
+    stations: F64 | None = None
+
+    def submesh(self, mask: NDArray[np.bool_]) -> Mesh:
+        """Return some of the triangles, in order, with all vertices."""
+        return Mesh(self.mesh.vertices, self.mesh.triangles[mask])
+
+
+class SceneParts:
+    """Collects meshes by what they are, and makes per-triangle arrays of them."""
+
+    def __init__(self) -> None:
+        self._meshes: list[Mesh] = []
+        self._numbers: list[tuple[int, int, bool]] = []
+        self._solids = 0
+
+    def add_structure(self, mesh: Mesh) -> None:
+        """Add one wall, slab, stair or the like."""
+        self._add(mesh, furnishing=-1, solid=self._solids, glass=False)
+        self._solids += 1
+
+    def add_glass(self, mesh: Mesh) -> None:
+        """Add a pane."""
+        self._add(mesh, furnishing=-1, solid=-1, glass=True)
+
+    def add_furnishing(self, mesh: Mesh, number: int) -> None:
+        """Add a piece of furniture."""
+        self._add(mesh, furnishing=number, solid=-1, glass=False)
+
+    def arrays(self) -> tuple[Mesh, I32, I32, NDArray[np.bool_]]:
+        """Mesh, furnishing, surface and glass as `Scene` has them."""
+        counts = [len(mesh.triangles) for mesh in self._meshes]
+        furnishing, solid, glass = (np.repeat([n[k] for n in self._numbers], counts) for k in range(3))
+        mesh = merge(self._meshes)
+        return mesh, furnishing.astype(np.int32), _surfaces(mesh, solid), glass.astype(np.bool_)
+
+    def _add(self, mesh: Mesh, *, furnishing: int, solid: int, glass: bool) -> None:
+        self._meshes.append(mesh)
+        self._numbers.append((furnishing, solid, glass))
+
+
+def _surfaces(mesh: Mesh, solid: NDArray[np.int_]) -> I32:
+    """Number the flat sides of each solid: same solid, same normal (to 0.02), same offset (to 1 cm)."""
+    normals = unit_normals(mesh)
+    offsets = np.einsum("ij,ij->i", normals, mesh.vertices[mesh.triangles[:, 0]])
+    keys = np.column_stack([solid, np.round(normals * 50), np.round(offsets * 100)])
+    surface = np.full(len(keys), -1, dtype=np.int32)
+    structure = solid >= 0
+    surface[structure] = np.unique(keys[structure], axis=0, return_inverse=True)[1].reshape(-1)
+    return surface

@@ -1,0 +1,101 @@
+"""From a scene to a file of scans with the truth beside it."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from enfilade.clouds import write_cloud
+from enfilade.errors import InputError
+from enfilade.progress import Progress, Silent
+from enfilade.schema.exchange import write_graph
+
+from .e57 import ScanWriter
+from .locate import Locator
+from .scanner import Scanner, Tracer
+from .scene import Scene
+from .solids import F64
+from .stations import Setup, find_stations
+from .truth import TruthCloud, truth_graph
+
+_SILENT = Silent()
+
+
+@dataclass(frozen=True, slots=True)
+class Parameters:
+    """How to scan: `scanner` is the instrument, `setup` where it is set up."""
+
+    scanner: Scanner = field(default_factory=Scanner)
+    setup: Setup = field(default_factory=Setup)
+
+
+def simulate(
+    scene: Scene,
+    out: Path,
+    *,
+    parameters: Parameters | None = None,
+    grouping: bool = True,
+    progress: Progress = _SILENT,
+) -> Path:
+    """Scan a scene, write the scans and the truth.
+
+    Parameters
+    ----------
+    scene
+        What stands there.
+    out
+        The E57 file to write; the truth goes to a folder of the same name that ends in ``.truth``: ``graph.json``,
+        ``cloud.ply`` and, if `grouping`, ``grouping.csv`` with the room of each scan.
+    parameters
+        Scanner and its set-up; the same parameters give the same points.
+
+    Returns
+    -------
+    Path
+        `out`.
+
+    Raises
+    ------
+    InputError
+        If no place for the scanner is found, or the file cannot be written.
+    """
+    chosen = parameters or Parameters()
+    stations = _stations(scene, chosen)
+    locator = Locator(scene.rooms)
+    names = [f"Scan {number:03d}" for number in range(1, len(stations) + 1)]
+    truth = TruthCloud(scene, locator)
+    tracer = Tracer(scene, chosen.scanner)
+    progress.start("scan", total=len(stations))
+    with ScanWriter(out) as writer:
+        for index, (name, station) in enumerate(zip(names, stations, strict=True)):
+            scan = tracer.scan(name, station, np.random.default_rng([chosen.scanner.seed, index]))
+            writer.write(scan)
+            truth.add(scan)
+            progress.advance()
+    scan_rooms = dict(zip(names, locator.rooms_of(stations).tolist(), strict=True))
+    progress.start("truth")
+    _write_truth(scene, truth, scan_rooms, out, grouping=grouping)
+    return out
+
+
+def _stations(scene: Scene, parameters: Parameters) -> F64:
+    stations = find_stations(scene, parameters.setup) if scene.stations is None else scene.stations
+    if not len(stations):
+        raise InputError(f"{scene.name}: no room has a free place for the scanner; give its positions")
+    return stations
+
+
+def _write_truth(
+    scene: Scene, truth: TruthCloud, scan_rooms: dict[str, int], out: Path, *, grouping: bool
+) -> None:
+    folder = out.with_suffix(".truth")
+    folder.mkdir(exist_ok=True)
+    cloud = truth.cloud()
+    write_cloud(folder / "cloud.ply", cloud)
+    write_graph(truth_graph(scene, out.stem, cloud, scan_rooms), folder / "graph.json")
+    if grouping:
+        with (folder / "grouping.csv").open("w", newline="", encoding="utf-8") as file:
+            csv.writer(file, lineterminator="\n").writerows([("scan", "room"), *scan_rooms.items()])

@@ -1,0 +1,183 @@
+"""The truth beside a simulated file: the building's graph and the labelled cloud."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+import enfilade
+from enfilade.clouds import LabelledCloud
+from enfilade.schema.graph import BuildingGraph
+
+from .locate import Locator, rooms_of_surfaces
+from .scanner import Scan
+from .scene import OUTSIDE, Opening, Room, Scene
+from .solids import F64, I32
+
+THINNING_M = 0.01
+_LABELS = ("room", "object", "plane", "scan")
+
+
+@dataclass(slots=True)
+class TruthCloud:
+    """Gathers labelled points scan by scan, at most one a centimetre voxel and scan, and in the end one a voxel."""
+
+    scene: Scene
+    locator: Locator
+    positions: list[F64] = field(default_factory=list)
+    labels: list[I32] = field(default_factory=list)
+
+    def add(self, scan: Scan) -> None:
+        """Label the points of a scan and keep the thinned ones."""
+        world = scan.pose.apply(scan.local)
+        kept = _first_in_voxel(world)
+        room = rooms_of_surfaces(self.scene, self.locator, scan.hit[kept].astype(np.float64), scan.normal[kept])
+        triangle, mixed = scan.triangle[kept], scan.mixed[kept]
+        furnishing = np.where(mixed, -1, self.scene.furnishing[triangle])
+        surface = np.where(mixed, -1, self.scene.surface[triangle])
+        number = np.full(len(kept), len(self.positions))
+        self.positions.append(world[kept])
+        self.labels.append(np.column_stack([room, furnishing, surface, number]).astype(np.int32))
+
+    def cloud(self) -> LabelledCloud:
+        """All points, sorted by room, then object."""
+        positions, labels = np.concatenate(self.positions), np.concatenate(self.labels)
+        kept = _first_in_voxel(positions)
+        kept = kept[np.lexsort((labels[kept, 1], labels[kept, 0]))]
+        room, furnishing, surface, scan = labels[kept].T
+        storeys = np.array([r.storey for r in self.scene.rooms] + [-1], dtype=np.int32)
+        return LabelledCloud(positions[kept], storeys[room], room, furnishing, surface, scan)
+
+
+def truth_graph(scene: Scene, building: str, cloud: LabelledCloud, scan_rooms: dict[str, int]) -> BuildingGraph:
+    """Return the graph of the scene as the scans could show it at best.
+
+    Parameters
+    ----------
+    scan_rooms
+        Room of each scan by the scan's name, -1 for none.
+    """
+    graph = BuildingGraph(building)
+    graph.add_node(
+        building,
+        "Building",
+        name=scene.name,
+        scan_count=len(scan_rooms),
+        point_count=len(cloud.positions),
+        bounds=_bounds(cloud.positions),
+        origin=[0.0, 0.0, 0.0],
+        software_version=enfilade.__version__,
+    )
+    _add_storeys(graph, scene)
+    _add_rooms(graph, scene, cloud, scan_rooms)
+    _add_openings(graph, scene)
+    _add_furnishings(graph, scene, cloud)
+    return graph
+
+
+def _add_storeys(graph: BuildingGraph, scene: Scene) -> None:
+    for storey in scene.storeys:
+        rooms = [room for room in scene.rooms if room.storey == storey.index]
+        id = f"{graph.building}/s{storey.index}"
+        graph.add_node(
+            id,
+            "Storey",
+            name=storey.name,
+            index=storey.index,
+            elevation=storey.elevation,
+            height=max((r.ceiling_elevation - storey.elevation for r in rooms), default=None),
+            area=sum(room.area for room in rooms),
+        )
+        graph.add_edge(graph.building, "HAS_STOREY", id)
+    for storey in scene.storeys[1:]:
+        graph.add_edge(f"{graph.building}/s{storey.index - 1}", "BELOW", f"{graph.building}/s{storey.index}")
+
+
+def _add_rooms(graph: BuildingGraph, scene: Scene, cloud: LabelledCloud, scan_rooms: dict[str, int]) -> None:
+    counts = np.bincount(cloud.room[cloud.room >= 0], minlength=len(scene.rooms))
+    for room in scene.rooms:
+        id = _room_id(graph, room.number)
+        graph.add_node(
+            id,
+            "Room",
+            name=room.name,
+            area=room.area,
+            floor_elevation=room.floor_elevation,
+            ceiling_elevation=room.ceiling_elevation,
+            height=room.ceiling_elevation - room.floor_elevation,
+            centroid=_centroid(room),
+            bounds=room.boundary.bounds.reshape(-1).tolist(),
+            outline=[ring.reshape(-1).tolist() for ring in room.outline],
+            point_count=int(counts[room.number]),
+            scans=[name for name, number in scan_rooms.items() if number == room.number],
+        )
+        graph.add_edge(f"{graph.building}/s{room.storey}", "HAS_ROOM", id)
+
+
+def _centroid(room: Room) -> list[float]:
+    centre = room.polygon.centroid
+    return [float(centre.x), float(centre.y), room.floor_elevation]
+
+
+def _add_openings(graph: BuildingGraph, scene: Scene) -> None:
+    for number, opening in enumerate(scene.openings):
+        id = f"{graph.building}/p{number}"
+        graph.add_node(id, "Opening", name=f"{opening.kind.capitalize()} {number}", **_opening_properties(opening))
+        for room in dict.fromkeys(opening.rooms):
+            if room != OUTSIDE:
+                graph.add_edge(_room_id(graph, room), "OPENS", id)
+
+
+def _opening_properties(opening: Opening) -> dict[str, object]:
+    return {
+        "kind": opening.kind,
+        "orientation": "horizontal" if opening.horizontal else "vertical",
+        "width": opening.width,
+        "height": opening.height,
+        "sill": opening.sill,
+        "area": opening.width * opening.height,
+        "position": opening.position.tolist(),
+        "normal": opening.normal.tolist(),
+        "state": opening.state,
+    }
+
+
+def _add_furnishings(graph: BuildingGraph, scene: Scene, cloud: LabelledCloud) -> None:
+    counts = np.bincount(cloud.object[cloud.object >= 0], minlength=len(scene.furnishings))
+    for piece in scene.furnishings:
+        vertices = scene.mesh.vertices[scene.mesh.triangles[scene.furnishing == piece.number]].reshape(-1, 3)
+        seen = cloud.positions[cloud.object == piece.number]
+        id = f"{graph.building}/o{piece.number}"
+        floor = scene.rooms[piece.room].floor_elevation if piece.room != OUTSIDE else None
+        graph.add_node(
+            id,
+            "Object",
+            name=piece.name,
+            segments=[id],
+            parts=1,
+            size=np.ptp(vertices, axis=0).tolist(),
+            position=(seen if len(seen) else vertices).mean(axis=0).tolist(),
+            floor_offset=None if floor is None else float(vertices[:, 2].min() - floor),
+            point_count=int(counts[piece.number]),
+        )
+        if piece.room != OUTSIDE:
+            graph.add_edge(_room_id(graph, piece.room), "CONTAINS", id)
+
+
+def _room_id(graph: BuildingGraph, number: int) -> str:
+    return f"{graph.building}/r{number}"
+
+
+def _bounds(positions: F64) -> list[float]:
+    return [*positions.min(axis=0).tolist(), *positions.max(axis=0).tolist()]
+
+
+def _first_in_voxel(positions: F64) -> NDArray[np.intp]:
+    """Indices of the first point of each voxel, in order."""
+    cells = np.floor(positions / THINNING_M).astype(np.int64)
+    cells -= cells.min(axis=0)
+    spans = cells.max(axis=0) + 1
+    keys = (cells[:, 0] * spans[1] + cells[:, 1]) * spans[2] + cells[:, 2]
+    return np.sort(np.unique(keys, return_index=True)[1])
