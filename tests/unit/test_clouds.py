@@ -1,0 +1,121 @@
+"""The labelled cloud on disk."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from plyfile import PlyData, PlyElement
+
+from enfilade.clouds import LABELS, LabelledCloud, read_cloud, read_object, read_room, write_cloud
+from enfilade.errors import InputError, StoreError
+
+
+def make_cloud(count, seed=0):
+    rng = np.random.default_rng(seed)
+    positions = rng.normal([600_000.0, 5_600_000.0, 100.0], 20.0, (count, 3))
+    return LabelledCloud(positions, *(rng.integers(-1, 4, count, dtype=np.int32) for _ in LABELS))
+
+
+def rows(cloud):
+    """The points as a sorted list, to compare whatever their order."""
+    columns = (*cloud.positions.T, *(getattr(cloud, label) for label in LABELS))
+    return sorted(zip(*(column.tolist() for column in columns), strict=True))
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "cloud.ply"
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=25)
+@given(st.integers(0, 200), st.integers(0, 1000))
+def test_what_was_written_comes_back_sorted_by_room_and_object(path, count, seed):
+    cloud = make_cloud(count, seed)
+    write_cloud(path, cloud)
+    found = read_cloud(path)
+    assert rows(found) == rows(cloud)
+    assert (np.diff(found.room * 100 + found.object) >= 0).all()
+    assert found.positions.dtype == np.float64
+    assert found.room.dtype == np.int32
+
+
+def test_a_room_and_an_object_are_read_alone(path):
+    cloud = make_cloud(500)
+    write_cloud(path, cloud)
+    for room in (-1, 0, 3, 9):
+        assert rows(read_room(path, room)) == rows(cloud.where(cloud.room == room))
+        chosen = (cloud.room == room) & (cloud.object == 2)
+        assert rows(read_object(path, room, 2)) == rows(cloud.where(chosen))
+
+
+def test_other_tools_read_it(path):
+    cloud = make_cloud(50)
+    write_cloud(path, cloud)
+    vertices = PlyData.read(str(path))["vertex"]
+    assert [p.name for p in vertices.properties] == ["x", "y", "z", *LABELS]
+    assert np.array_equal(vertices["x"], read_cloud(path).positions[:, 0])
+
+
+def save(path, vertices):
+    PlyData([PlyElement.describe(vertices, "vertex")], byte_order="<").write(str(path))
+
+
+def test_a_cloud_that_another_tool_wrote_in_another_order_is_understood(path):
+    room = make_cloud(60).room
+    labels = [(label, "i4") for label in LABELS]
+    vertices = np.zeros(60, [*labels, ("red", "u1"), *((axis, "f4") for axis in "zxy")])
+    vertices["room"], vertices["y"] = room, np.arange(60)
+    save(path, vertices)
+    assert read_cloud(path).positions[:, 1].tolist() == list(range(60))
+    assert read_room(path, 2).positions[:, 1].tolist() == np.flatnonzero(room == 2).tolist()
+
+
+def test_a_failed_write_leaves_the_old_file_alone(path, monkeypatch):
+    write_cloud(path, make_cloud(10))
+    before = path.read_bytes()
+
+    def full(file):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.fsync", full)
+    with pytest.raises(StoreError, match=r"cloud\.ply cannot be written: No space left"):
+        write_cloud(path, make_cloud(20))
+    assert path.read_bytes() == before
+    assert [p.name for p in path.parent.iterdir()] == ["cloud.ply"]
+
+
+@pytest.mark.parametrize(
+    ("content", "cause"),
+    [
+        (b"", "does not begin"),
+        (b"ply\n", "no end"),
+        (b"ply\n" + b"comment\n" * 1000, "no end"),
+        (b"ply\nformat ascii 1.0\nelement vertex 1\nend_header\n", "binary little endian"),
+        (b"ply\nformat binary_little_endian 1.0\nelement vertex -1\nend_header\n", "no list of vertices"),
+        (b"ply\nformat binary_little_endian 1.0\nend_header\n", "no list of vertices"),
+        (
+            b"ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty list uchar int x\nend_header\n",
+            "not plain numbers",
+        ),
+        (b"ply\nformat binary_little_endian 1.0\nelement vertex 0\nproperty double x\nend_header\n", "have no y, z"),
+    ],
+)
+def test_foreign_and_damaged_files_are_named_with_the_cause(path, content, cause):
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=cause) as caught:
+        read_cloud(path)
+    assert str(path) in str(caught.value)
+
+
+def test_a_truncated_file_is_refused(path):
+    write_cloud(path, make_cloud(100))
+    path.write_bytes(path.read_bytes()[:-1])
+    with pytest.raises(InputError, match="truncated: it should hold 100 points"):
+        read_room(path, 1)
+
+
+def test_a_missing_file_is_named(path):
+    with pytest.raises(InputError, match="no labelled cloud"):
+        read_cloud(path)
