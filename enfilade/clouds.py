@@ -7,7 +7,6 @@ one room or object is one contiguous read.
 
 from __future__ import annotations
 
-import os
 from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ from typing import BinaryIO, Final, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from enfilade.atomic import replacing
 from enfilade.errors import InputError, StoreError
 
 LABELS: Final = ("storey", "room", "object", "plane", "scan")
@@ -68,7 +68,7 @@ class LabelledCloud:
     def __len__(self) -> int:
         return len(self.positions)
 
-    def where(self, chosen: NDArray[np.bool_] | slice) -> LabelledCloud:
+    def take(self, chosen: NDArray[np.bool_] | slice) -> LabelledCloud:
         """Return the points that a mask or a slice chooses."""
         return LabelledCloud(self.positions[chosen], *(getattr(self, label)[chosen] for label in LABELS))
 
@@ -82,17 +82,12 @@ def write_cloud(path: Path, cloud: LabelledCloud) -> None:
         If the file cannot be written.
     """
     order = np.lexsort((cloud.object, cloud.room))
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        with part.open("wb") as file:
+        with replacing(path) as file:
             file.write(_header(len(cloud)))
             for start in range(0, len(order), _CHUNK):
                 _vertices(cloud, order[start : start + _CHUNK]).tofile(file)
-            file.flush()
-            os.fsync(file.fileno())
-        part.replace(path)
     except OSError as error:
-        part.unlink(missing_ok=True)
         raise StoreError(f"{path} cannot be written: {error.strerror or error}.") from error
 
 

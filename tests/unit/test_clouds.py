@@ -45,9 +45,9 @@ def test_a_room_and_an_object_are_read_alone(path):
     cloud = make_cloud(500)
     write_cloud(path, cloud)
     for room in (-1, 0, 3, 9):
-        assert rows(read_room(path, room)) == rows(cloud.where(cloud.room == room))
+        assert rows(read_room(path, room)) == rows(cloud.take(cloud.room == room))
         chosen = (cloud.room == room) & (cloud.object == 2)
-        assert rows(read_object(path, room, 2)) == rows(cloud.where(chosen))
+        assert rows(read_object(path, room, 2)) == rows(cloud.take(chosen))
 
 
 def test_other_tools_read_it(path):
