@@ -48,9 +48,7 @@ def fit_plane(moments: F64, normal: F64) -> tuple[float, float, float]:
 
 
 @njit(cache=True)
-def _eigenvalues(
-    xx: float, xy: float, xz: float, yy: float, yz: float, zz: float
-) -> tuple[float, float, float]:
+def _eigenvalues(xx: float, xy: float, xz: float, yy: float, yz: float, zz: float) -> tuple[float, float, float]:
     """Eigenvalues of a symmetric 3x3 matrix, least first, by the trigonometric formula."""
     mean = (xx + yy + zz) / 3.0
     off = xy * xy + xz * xz + yz * yz

@@ -112,9 +112,7 @@ def _join_views(cell: I64, count: F64, normals: F64) -> I32:
     return surfel - np.int32(len(names) > 0 and names[0] == -1)
 
 
-def _gather(
-    view_surfel: I32, view_scan: I32, moments: F64, normals: F64, low: F64, point_surfel: I32
-) -> Surfels:
+def _gather(view_surfel: I32, view_scan: I32, moments: F64, normals: F64, low: F64, point_surfel: I32) -> Surfels:
     """Sum the views of each surfel; its scan is the one that measured most of it."""
     used = np.flatnonzero(view_surfel >= 0)
     used = used[np.lexsort((-moments[used, 0], view_surfel[used]))]

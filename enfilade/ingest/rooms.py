@@ -1,0 +1,251 @@
+"""Rooms by label diffusion (§4, Eqs. 1-6): points that see each other tend to share a room.
+
+Surfels are gathered into nodes: the cells of a planar patch, or voxels where there is no plane. Rays from each node
+are traced once; what they hit is kept as the row-stochastic matrix T of Eq. 1, and each iteration of Eq. 3 is a
+product with it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ..progress import Progress, Silent
+from .cells import CellGrid
+from .records import F32, F64, I32, Planes, RoomLabels, Surfels
+from .structure import Structure
+
+I64 = NDArray[np.int64]
+_SILENT: Final = Silent()
+_RAYS_AT_ONCE: Final = 1 << 20
+_ROOMS_AT_ONCE: Final = 16
+_LIFT_M: Final = 0.03
+_GOLDEN: Final = (np.sqrt(5.0) - 1.0) / 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class RoomParameters:
+    """How labels diffuse.
+
+    Attributes
+    ----------
+    node_m
+        Side of the cells that share one label distribution.
+    rays
+        Sample rays from each of them.
+    iterations
+        N of Eq. 5: how many iterations are summed.
+    """
+
+    node_m: float = 0.20
+    rays: int = 24
+    iterations: int = 5
+
+
+@dataclass(frozen=True, slots=True)
+class Nodes:
+    """Surfels gathered: node n has ``members[starts[n]:starts[n + 1]]``.
+
+    Attributes
+    ----------
+    of_surfel
+        ``(M,) int32`` node of each surfel.
+    members
+        ``(M,) int64`` surfels ordered by node.
+    starts
+        ``(n + 1,) int64``.
+    keys
+        ``(n,) int64``, sorted.
+    first_key
+        ``(P + 1,) int64`` key of the first cell of each plane; what is on no plane comes after the last.
+    columns
+        ``(P,) int64`` cells in a row of each plane.
+    """
+
+    of_surfel: I32
+    members: I64
+    starts: I64
+    keys: I64
+    first_key: I64
+    columns: I64
+
+    def __len__(self) -> int:
+        return len(self.keys)
+
+
+def label_rooms(
+    surfels: Surfels,
+    planes: Planes,
+    scan_room: I32,
+    parameters: RoomParameters = RoomParameters(),
+    *,
+    progress: Progress = _SILENT,
+) -> RoomLabels:
+    """Give each surfel the room that the surfels in its sight agree on, starting from the rooms of their scans."""
+    before = scan_room[surfels.scan]
+    nodes = gather_nodes(surfels, planes, parameters.node_m)
+    transition = trace_transitions(surfels, planes, nodes, parameters, progress=progress)
+    label, agreement = _diffuse(transition, nodes, before, parameters.iterations)
+    after = label[nodes.of_surfel]
+    after = np.where(after >= 0, after, before).astype(np.int32)
+    room_count = int(scan_room.max(initial=-1)) + 1
+    return RoomLabels(before, after, agreement[nodes.of_surfel], scan_room, room_count)
+
+
+def gather_nodes(surfels: Surfels, planes: Planes, node_m: float) -> Nodes:
+    """Gather surfels into the cells of their plane, or into voxels where they lie on none."""
+    shapes = np.array([_node_shape(b.occupancy.shape, b.cell_m, node_m) for b in planes.bitmaps], np.int64)
+    shapes = shapes.reshape(-1, 2)
+    first_key = np.concatenate([[0], np.cumsum(shapes[:, 0] * shapes[:, 1])])
+    key = np.empty(len(surfels.positions), np.int64)
+    on_plane = planes.surfel_plane >= 0
+    key[on_plane] = _cell_keys(
+        surfels.positions[on_plane], planes.surfel_plane[on_plane], planes, first_key, shapes[:, 1], node_m
+    )
+    if not on_plane.all():
+        loose = surfels.positions[~on_plane]
+        key[~on_plane] = first_key[-1] + CellGrid.around(loose, node_m).keys(loose)
+    members = np.argsort(key, kind="stable")
+    starts = np.flatnonzero(np.diff(key[members], prepend=-1))
+    of_surfel = np.empty(len(key), np.int32)
+    of_surfel[members] = np.repeat(np.arange(len(starts), dtype=np.int32), np.diff(starts, append=len(key)))
+    return Nodes(of_surfel, members, np.append(starts, len(key)), key[members[starts]], first_key, shapes[:, 1])
+
+
+def _node_shape(cells: tuple[int, ...], cell_m: float, node_m: float) -> tuple[int, int]:
+    rows, columns = (int(np.ceil(count * cell_m / node_m)) + 1 for count in cells)
+    return rows, columns
+
+
+def _cell_keys(positions: F32, plane: I32, planes: Planes, first_key: I64, columns: I64, node_m: float) -> I64:
+    """Key of the cell of its plane that each position projects to."""
+    corner = np.array([b.origin for b in planes.bitmaps])[plane]
+    relative = positions - corner
+    j = np.einsum("ij,ij->i", relative, np.array([b.u for b in planes.bitmaps])[plane]) / node_m
+    i = np.einsum("ij,ij->i", relative, np.array([b.v for b in planes.bitmaps])[plane]) / node_m
+    i, j = np.maximum(np.floor(i), 0).astype(np.int64), np.maximum(np.floor(j), 0).astype(np.int64)
+    return np.asarray(first_key[plane] + i * columns[plane] + j)
+
+
+# --- rays ------------------------------------------------------------------------------------------------------
+
+
+def trace_transitions(
+    surfels: Surfels,
+    planes: Planes,
+    nodes: Nodes,
+    parameters: RoomParameters,
+    *,
+    progress: Progress = _SILENT,
+) -> sparse.csr_array:
+    """Trace the rays of all nodes and return T (Eq. 1), row-stochastic, one row and column a node."""
+    structure = Structure(planes)
+    rows, columns = [np.arange(len(nodes), dtype=np.int32)], [np.arange(len(nodes), dtype=np.int32)]
+    for node, origins, directions in _rays(surfels, planes, nodes, parameters.rays):
+        hits = structure.cast(origins, directions)
+        hit = np.flatnonzero(hits.front)
+        points = origins[hit] + hits.distance[hit, None] * directions[hit]
+        keys = _cell_keys(points, hits.plane[hit], planes, nodes.first_key, nodes.columns, parameters.node_m)
+        target = np.minimum(np.searchsorted(nodes.keys, keys), len(nodes) - 1).astype(np.int32)
+        known = nodes.keys[target] == keys
+        rows.append(node[hit[known]])
+        columns.append(target[known])
+        progress.advance(len(node) / max(1, len(nodes) * parameters.rays))
+    row, column = np.concatenate(rows), np.concatenate(columns)
+    weight = (1.0 / np.bincount(row, minlength=len(nodes)))[row].astype(np.float32)
+    return sparse.csr_array((weight, (row, column)), shape=(len(nodes), len(nodes)))
+
+
+def _rays(surfels: Surfels, planes: Planes, nodes: Nodes, count: int) -> Iterator[tuple[I32, F32, F32]]:
+    """Yield batches of rays: their nodes, origins and unit directions, `count` for each node.
+
+    A node's rays start at its surfels in turn and spread over the hemisphere of the surfel's normal.
+    """
+    starts, normals = _ray_starts(surfels, planes)
+    batch = max(1, _RAYS_AT_ONCE // count)
+    fan = _hemisphere(count)
+    for first in range(0, len(nodes), batch):
+        node = np.arange(first, min(first + batch, len(nodes)), dtype=np.int32)
+        size = np.diff(nodes.starts[first : first + len(node) + 1])
+        step = np.arange(count)[None, :] * size[:, None] // count
+        member = nodes.members[(nodes.starts[node][:, None] + step).ravel()]
+        spun = _spun(fan, node)
+        yield np.repeat(node, count), starts[member], _turned(spun, normals[member])
+
+
+def _ray_starts(surfels: Surfels, planes: Planes) -> tuple[F32, F32]:
+    """Where the rays of each surfel start, a little above its plane or itself, and around which normal."""
+    lift = np.full(len(surfels.positions), _LIFT_M, np.float32)
+    normals = surfels.normals.copy()
+    on_plane = planes.surfel_plane >= 0
+    plane = planes.surfel_plane[on_plane]
+    normals[on_plane] = planes.normals[plane]
+    height = np.einsum("ij,ij->i", surfels.positions[on_plane], planes.normals[plane]) - planes.offsets[plane]
+    lift[on_plane] -= height
+    return surfels.positions + lift[:, None] * normals, normals
+
+
+def _hemisphere(count: int) -> F64:
+    """``(count, 2)`` azimuth and height of directions spread evenly over the hemisphere (a Fibonacci lattice)."""
+    step = np.arange(count)
+    return np.stack([2.0 * np.pi * _GOLDEN * step, (step + 0.5) / count], axis=1)
+
+
+def _spun(fan: F64, node: I32) -> F32:
+    """The fan turned about the normal and shifted in height by a low-discrepancy amount a node: ``(n count, 3)``."""
+    count = len(fan)
+    azimuth = fan[None, :, 0] + 2.0 * np.pi * (_GOLDEN * node[:, None] % 1.0)
+    shift = (node[:, None] * np.sqrt(2.0)) % 1.0 - 0.5
+    height = np.clip(fan[None, :, 1] + shift / count, 1e-3, 1.0)
+    flat = np.sqrt(1.0 - height**2)
+    return np.stack([flat * np.cos(azimuth), flat * np.sin(azimuth), height], axis=2).reshape(-1, 3).astype(np.float32)
+
+
+def _turned(directions: F32, normals: F32) -> F32:
+    """Directions given around +z, turned to be around the normals (the frame of Duff et al. 2017)."""
+    x, y, z = normals.T
+    sign = np.where(z >= 0.0, np.float32(1.0), np.float32(-1.0))
+    a = -1.0 / (sign + z)
+    b = x * y * a
+    u = np.stack([1.0 + sign * x * x * a, sign * b, -sign * x], axis=1)
+    v = np.stack([b, sign + y * y * a, -y], axis=1)
+    turned = directions[:, :1] * u + directions[:, 1:2] * v + directions[:, 2:] * normals
+    return np.asarray(turned, np.float32)
+
+
+# --- diffusion -------------------------------------------------------------------------------------------------
+
+
+def _diffuse(transition: sparse.csr_array, nodes: Nodes, before: I32, iterations: int) -> tuple[I32, F32]:
+    """Label of each node by Eq. 5 and the label's share of the sum; rooms are taken a few at a time."""
+    initial = _initial_labels(nodes, before)
+    best = np.zeros(len(nodes), np.float32)
+    total = np.zeros(len(nodes), np.float32)
+    label = np.full(len(nodes), -1, np.int32)
+    for first in range(0, initial.shape[1], _ROOMS_AT_ONCE):
+        current = initial[:, first : first + _ROOMS_AT_ONCE].toarray()
+        summed = np.zeros_like(current)
+        for _ in range(iterations):
+            current = transition @ current
+            summed += current
+        winner = np.argmax(summed, axis=1)
+        value = summed[np.arange(len(nodes)), winner]
+        better = value > best
+        label[better] = first + winner[better]
+        best[better] = value[better]
+        total += summed.sum(axis=1)
+    return label, np.divide(best, total, out=np.zeros_like(best), where=total > 0.0)
+
+
+def _initial_labels(nodes: Nodes, before: I32) -> sparse.csc_array:
+    """L_0: the share of each room among the surfels of each node (Eq. 2, averaged within a cell as in Eq. 6)."""
+    known = before >= 0
+    row, column = nodes.of_surfel[known], before[known]
+    count = np.bincount(row, minlength=len(nodes))
+    weight = (1.0 / count[row]).astype(np.float32)
+    return sparse.csc_array((weight, (row, column)), shape=(len(nodes), int(before.max(initial=-1)) + 1))

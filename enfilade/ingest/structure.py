@@ -1,0 +1,103 @@
+"""The building's structure as a ray sees it: the occupied cells of all planes, and what a ray hits first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..native import open3d
+from .records import F32, I32, Bitmap, Bool, Planes
+
+I64 = NDArray[np.int64]
+
+OCCUPIED = 0.5
+"""A cell stops rays where its box-filtered occupancy is greater."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hits:
+    """What each ray hit first.
+
+    Attributes
+    ----------
+    distance
+        ``(n,) float32``, metres for unit directions, infinite for none.
+    plane
+        ``(n,) int32``, -1 for none.
+    front
+        ``(n,) bool``, whether the ray came from the side that the plane's normal points to.
+    """
+
+    distance: F32
+    plane: I32
+    front: Bool
+
+
+class Structure:
+    """Occupied bitmap cells of planes, ready for ray casting."""
+
+    def __init__(self, planes: Planes) -> None:
+        o3d = open3d()
+        rectangles = [_rectangles(bitmap) for bitmap in planes.bitmaps]
+        self._normals = planes.normals
+        self._plane = np.repeat(np.arange(len(rectangles), dtype=np.int32), [len(r) for r in rectangles])
+        corners = [_corners(b, r) for b, r in zip(planes.bitmaps, rectangles, strict=True) if len(r)]
+        vertices = np.concatenate(corners) if corners else np.zeros((0, 3), np.float32)
+        self._scene: Any = o3d.t.geometry.RaycastingScene()
+        if len(vertices):
+            self._scene.add_triangles(o3d.core.Tensor(vertices), o3d.core.Tensor(_triangles(len(vertices) // 4)))
+
+    def cast(self, origins: F32, directions: F32) -> Hits:
+        """Cast rays from ``(n, 3)`` origins along ``(n, 3)`` directions."""
+        n = len(origins)
+        plane, front = np.full(n, -1, np.int32), np.zeros(n, bool)
+        if not n or not len(self._plane):
+            return Hits(np.full(n, np.inf, np.float32), plane, front)
+        rays = np.concatenate([origins, directions], axis=1).astype(np.float32)
+        cast = self._scene.cast_rays(open3d().core.Tensor(rays))
+        distance = cast["t_hit"].numpy()
+        hit = np.flatnonzero(np.isfinite(distance))
+        plane[hit] = self._plane[cast["primitive_ids"].numpy()[hit] // 2]
+        front[hit] = np.einsum("ij,ij->i", self._normals[plane[hit]], directions[hit]) < 0.0
+        return Hits(distance, plane, front)
+
+    def blocked(self, starts: F32, ends: F32) -> Bool:
+        """``(n,)``: whether structure of either side lies between ``(n, 3)`` starts and ends."""
+        if not len(starts) or not len(self._plane):
+            return np.zeros(len(starts), bool)
+        rays = np.concatenate([starts, ends - starts], axis=1).astype(np.float32)
+        occluded = self._scene.test_occlusions(open3d().core.Tensor(rays), tnear=0.0, tfar=1.0)
+        return np.asarray(occluded.numpy(), bool)
+
+
+def _rectangles(bitmap: Bitmap) -> I64:
+    """``(k, 4) int64`` first and past-last row and column of rectangles that tile the occupied cells.
+
+    Runs of cells along a row, then equal runs in successive rows made one: a wall takes few rectangles.
+    """
+    occupied = np.pad(bitmap.occupancy > OCCUPIED, ((0, 0), (1, 1))).astype(np.int8)
+    edges = np.diff(occupied, axis=1)
+    row, first = np.nonzero(edges == 1)
+    past = np.nonzero(edges == -1)[1]
+    order = np.lexsort((row, past, first))
+    row, first, past = row[order], first[order], past[order]
+    begins = np.ones(len(row), bool)
+    begins[1:] = (np.diff(row) != 1) | (np.diff(first) != 0) | (np.diff(past) != 0)
+    ends = np.roll(begins, -1)
+    return np.stack([row[begins], row[ends] + 1, first[begins], past[begins]], axis=1)
+
+
+def _corners(bitmap: Bitmap, rectangles: I64) -> F32:
+    """``(4 k, 3) float32`` corners, four a rectangle, around it."""
+    i = rectangles[:, [0, 0, 1, 1]].reshape(-1, 1).astype(np.float32)
+    j = rectangles[:, [2, 3, 3, 2]].reshape(-1, 1).astype(np.float32)
+    return np.asarray(bitmap.origin + bitmap.cell_m * (j * bitmap.u + i * bitmap.v), np.float32)
+
+
+def _triangles(count: int) -> NDArray[np.uint32]:
+    """``(2 count, 3) uint32`` two triangles a rectangle."""
+    first = 4 * np.arange(count, dtype=np.uint32)[:, None, None]
+    return (first + np.array([[0, 1, 2], [0, 2, 3]], np.uint32)).reshape(-1, 3)
