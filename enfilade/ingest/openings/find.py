@@ -1,0 +1,66 @@
+"""Find all openings of a building: through walls, through slabs, and where two rooms meet without a wall."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from enfilade.ingest.openings.contacts import contact_sides
+from enfilade.ingest.openings.holes import Hole, find_holes
+from enfilade.ingest.openings.leads import group_holes
+from enfilade.ingest.openings.parameters import OpeningParameters
+from enfilade.ingest.openings.rays import Rays, rays_of, view_sides
+from enfilade.ingest.openings.slabs import floor_sides, open_slab
+from enfilade.ingest.openings.walls import open_walls
+from enfilade.ingest.records import Neighbour, Opening, Planes, Room, RoomLabels, Surfels, ThinnedCloud
+from enfilade.ingest.sides import Side, cut_by_room, join_patches
+
+
+def find_openings(
+    cloud: ThinnedCloud,
+    surfels: Surfels,
+    planes: Planes,
+    labels: RoomLabels,
+    rooms: tuple[Room, ...],
+    neighbours: tuple[Neighbour, ...],
+    parameters: OpeningParameters | None = None,
+) -> tuple[Opening, ...]:
+    """Find doors, passages, windows, stairs and hatches, with size, place and the rays that went through.
+
+    The rays that leave a room or come into it are cut with the room's walls; where many cross a wall in cells that
+    hold no wall points, there is a hole. The hole's edges are measured between the outermost rays and the first
+    wall points; the rooms at both ends of its rays, the nearest counting most, tell where it leads. Holes in the
+    two sides of a wall are one opening.
+
+    Parameters
+    ----------
+    cloud, surfels, planes, labels, rooms, neighbours
+        What the stages before found.
+    parameters
+        Sizes and thresholds.
+
+    Returns
+    -------
+    Openings ordered by rooms and place; positions in metres, relative to the building's origin.
+    """
+    chosen = parameters if parameters is not None else OpeningParameters()
+    rays = rays_of(cloud, surfels, labels)
+    known = {room.number: room for room in rooms}
+    patches = [p for p in cut_by_room(surfels, planes, labels, chosen.min_side_surfels) if p.room in known]
+    sides = join_patches(patches, surfels, max_angle_deg=chosen.join_angle_deg, max_offset_m=chosen.join_offset_m)
+    walls = [side for side in sides if side.vertical]
+    doors = open_walls(_holes(rays, walls, chosen), rays, known, neighbours, chosen)
+    lines = contact_sides(surfels, labels, known, doors, chosen)
+    passages = open_walls(_holes(rays, lines, chosen), rays, known, neighbours, chosen)
+    slabs = group_holes(_holes(rays, floor_sides(known), chosen), rays, known, chosen)
+    stairs = [opening for pair, group in slabs if (opening := open_slab(pair, group, rays, known, chosen)) is not None]
+    return tuple(sorted((*doors, *passages, *stairs), key=_order))
+
+
+def _holes(rays: Rays, sides: list[Side], parameters: OpeningParameters) -> Iterator[Hole]:
+    for view in view_sides(rays, sides, surface_m=parameters.surface_m):
+        yield from find_holes(view, parameters)
+
+
+def _order(opening: Opening) -> tuple[int, int, tuple[float, ...]]:
+    other = opening.room_b if opening.room_b is not None else -1
+    return opening.room_a, other, tuple(opening.position.round(3))

@@ -1,0 +1,153 @@
+"""Holes in the side of a room: cells without wall points that rays go through, and their edges."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from enfilade.ingest.openings.parameters import OpeningParameters
+from enfilade.ingest.openings.rays import SideView
+from enfilade.ingest.records import F64, I32, Bool
+from enfilade.ingest.sides import Side
+
+REACH_M = 0.15
+"""How far from the outermost ray the wall beside a hole may begin."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hole:
+    """A hole in one side.
+
+    Attributes
+    ----------
+    side
+        The side that it is in.
+    edges
+        ``(4,)`` left, bottom, right, top along the axes of the side, metres.
+    bounded
+        ``(4,) bool`` whether there is wall beside that edge.
+    ray, beyond, outbound
+        The rays through it, as in `SideView`.
+    fill
+        Share of the rectangle that rays went through.
+    """
+
+    side: Side
+    edges: F64
+    bounded: Bool
+    ray: I32
+    beyond: F64
+    outbound: Bool
+    fill: float
+
+    @property
+    def width(self) -> float:
+        """Width, metres."""
+        return float(self.edges[2] - self.edges[0])
+
+    @property
+    def height(self) -> float:
+        """Height, metres."""
+        return float(self.edges[3] - self.edges[1])
+
+    @property
+    def centre(self) -> F64:
+        """Middle of the rectangle."""
+        return self.side.point((self.edges[0] + self.edges[2]) / 2, (self.edges[1] + self.edges[3]) / 2)
+
+
+def find_holes(view: SideView, parameters: OpeningParameters) -> Iterator[Hole]:
+    """Find the holes of one side.
+
+    Parameters
+    ----------
+    view
+        Rays through the side and points on it.
+    parameters
+        Cell size, bridged gaps and smallest hole.
+
+    Yields
+    ------
+    Holes that are wide and high enough and have enough rays.
+    """
+    if len(view.ray) < parameters.min_rays:
+        return
+    cell = parameters.cell_m
+    corner = view.side.bounds[:2] - 0.1 - cell
+    shape = tuple(np.ceil((view.side.bounds[2:] + 0.1 - corner) / cell).astype(int) + 1)
+    crossing_cell = np.floor((view.crossing - corner) / cell).astype(int)
+    components = _components(crossing_cell, np.floor((view.wall - corner) / cell).astype(int), shape, parameters)
+    number = components[crossing_cell[:, 0], crossing_cell[:, 1]]
+    order = np.argsort(number, kind="stable")
+    for members in np.split(order, np.flatnonzero(np.diff(number[order])) + 1):
+        if number[members[0]] > 0 and len(members) >= parameters.min_rays:
+            hole = _hole(view, members, int((components == number[members[0]]).sum()), cell)
+            if hole.width >= parameters.min_width_m and hole.height >= parameters.min_height_m:
+                yield hole
+
+
+def _components(
+    crossed_cells: NDArray[np.int_], wall_cells: NDArray[np.int_], shape: tuple[int, ...], parameters: OpeningParameters
+) -> NDArray[np.int32]:
+    """Connect crossed cells without wall to numbered components, small gaps bridged."""
+    crossed, wall = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
+    crossed[crossed_cells[:, 0], crossed_cells[:, 1]] = True
+    wall[wall_cells[:, 0], wall_cells[:, 1]] = True
+    reach = max(round(parameters.bridge_m / parameters.cell_m / 2), 1)
+    square = np.ones((3, 3), dtype=bool)
+    padded = np.pad(crossed & ~wall, reach + 1)
+    free = ndimage.binary_closing(padded, square, iterations=reach)[reach + 1 : -reach - 1, reach + 1 : -reach - 1]
+    free = ndimage.binary_opening(free & ~wall, square)
+    return np.asarray(ndimage.label(free)[0], dtype=np.int32)
+
+
+def _hole(view: SideView, members: NDArray[np.int_], cells: int, cell_m: float) -> Hole:
+    places = view.crossing[members]
+    wall = view.wall
+    low, high = np.percentile(places, [0.5, 99.5], axis=0)
+    near = ((wall > low - 2 * REACH_M) & (wall < high + 2 * REACH_M)).all(axis=1)
+    wall = wall[near]
+    found = [
+        _lower_edge(sign * places[:, axis], places[:, 1 - axis], sign * wall[:, axis], wall[:, 1 - axis], cell_m)
+        for sign, axis in ((1, 0), (1, 1), (-1, 0), (-1, 1))
+    ]
+    edges = np.array([found[0][0], found[1][0], -found[2][0], -found[3][0]])
+    fill = cells * cell_m**2 / max((edges[2] - edges[0]) * (edges[3] - edges[1]), cell_m**2)
+    bounded = np.array([supported for _, supported in found])
+    return Hole(
+        view.side, edges, bounded, view.ray[members], view.beyond[members], view.outbound[members], min(fill, 1.0)
+    )
+
+
+def _lower_edge(along: F64, across: F64, wall_along: F64, wall_across: F64, cell_m: float) -> tuple[float, bool]:
+    """Find where a hole begins along one axis, line by line across it, and whether wall ends there.
+
+    In each line the edge lies between the last wall point and the first ray; the median over the middle lines is
+    the edge. Lines without wall near their first ray do not vote, unless most lines are like that.
+    """
+    low, high = np.percentile(across, [10, 90])
+    lines = max(int((high - low) / cell_m), 1)
+    first = _extreme(along, across, low, cell_m, lines, np.minimum, np.inf)
+    line = np.floor((wall_across - low) / cell_m).astype(int)
+    inside = (line >= 0) & (line < lines)
+    line, place = line[inside], wall_along[inside]
+    before = (place < first[line] + cell_m) & (place > first[line] - REACH_M)
+    last = np.full(lines, -np.inf)
+    np.maximum.at(last, line[before], place[before])
+    crossed = np.isfinite(first)
+    both = crossed & np.isfinite(last)
+    if both.sum() >= 0.4 * crossed.sum():
+        return float(np.median((first[both] + last[both]) / 2)), True
+    return float(np.percentile(first[crossed], 20)), False
+
+
+def _extreme(along: F64, across: F64, low: float, cell_m: float, lines: int, better: np.ufunc, worst: float) -> F64:
+    line = np.floor((across - low) / cell_m).astype(int)
+    inside = (line >= 0) & (line < lines)
+    best = np.full(lines, worst)
+    better.at(best, line[inside], along[inside])
+    return best

@@ -1,0 +1,116 @@
+"""Where holes lead: the room behind each, and which holes belong to one opening."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from enfilade.ingest.openings.holes import Hole
+from enfilade.ingest.openings.parameters import OpeningParameters
+from enfilade.ingest.openings.rays import Rays
+from enfilade.ingest.records import F64, I32, Room
+
+NEAR_M = 1.0
+"""A ray that ends this far behind a hole counts 1/e in the vote for the room there."""
+
+
+@dataclass(frozen=True, slots=True)
+class Lead:
+    """Where a hole leads: `share` of the votes are for room `other`, `same` for the hole's own room."""
+
+    hole: Hole
+    other: int
+    share: float
+    same: float
+
+    @property
+    def pair(self) -> tuple[int, int]:
+        """The two rooms, the lower number first."""
+        a, b = self.hole.side.room, self.other
+        return (a, b) if a < b else (b, a)
+
+
+def group_holes(
+    holes: Iterable[Hole], rays: Rays, rooms: Mapping[int, Room], parameters: OpeningParameters
+) -> list[tuple[tuple[int, int], list[Lead]]]:
+    """Find where each hole leads, and put together those of one pair of rooms that face one another.
+
+    Parameters
+    ----------
+    holes
+        Of any sides.
+    rays
+        All rays, with the rooms at their ends.
+    rooms
+        By number; holes that lead elsewhere are left out.
+    parameters
+        Thickest wall and fewest rays.
+
+    Returns
+    -------
+    (pair of rooms, holes of one opening), ordered by pair.
+    """
+    leads: defaultdict[tuple[int, int], list[Lead]] = defaultdict(list)
+    for hole in holes:
+        lead = _lead(hole, rays, parameters)
+        if lead is not None and lead.other in rooms:
+            leads[lead.pair].append(lead)
+    return [(pair, group) for pair in sorted(leads) for group in _facing(leads[pair], parameters.max_gap_m)]
+
+
+def through(group: list[Lead], rays: Rays, pair: tuple[int, int]) -> I32:
+    """Return the rays that join the two rooms through any of the holes, each once."""
+    ray = np.unique(np.concatenate([lead.hole.ray for lead in group]))
+    from_room, to_room = rays.from_room[ray], rays.to_room[ray]
+    a, b = pair
+    joins = ((from_room == a) & (to_room == b)) | ((from_room == b) & (to_room == a))
+    return np.asarray(ray[joins], dtype=np.int32)
+
+
+def _lead(hole: Hole, rays: Rays, parameters: OpeningParameters) -> Lead | None:
+    """Ask the rays through a hole which room is behind it; None if it is the room itself."""
+    room = hole.side.room
+    far = np.where(hole.outbound, rays.to_room[hole.ray], rays.from_room[hole.ray])
+    weight = np.exp(-hole.beyond / NEAR_M)
+    same = float(weight[(far == room) & (hole.beyond > parameters.max_gap_m)].sum())
+    others = (far != room) & (far >= 0)
+    if others.sum() < parameters.min_rays:
+        return None
+    votes = np.bincount(far[others], weight[others])
+    other = int(np.argmax(votes))
+    total = float(votes.sum()) + same
+    lead = Lead(hole, other, float(votes[other]) / total, same / total)
+    return lead if lead.same < 0.6 else None
+
+
+def _facing(leads: list[Lead], max_gap_m: float) -> list[list[Lead]]:
+    """Group the holes of one pair of rooms that lie in front of one another within the thickness of a wall."""
+    first, second = np.nonzero([[_overlap(a.hole, b.hole, max_gap_m) for b in leads] for a in leads])
+    count = len(leads)
+    graph = coo_array((np.ones(len(first)), (first, second)), shape=(count, count))
+    parts, number = connected_components(graph, directed=False)
+    return [[leads[i] for i in np.flatnonzero(number == part)] for part in range(parts)]
+
+
+def _overlap(a: Hole, b: Hole, max_gap_m: float) -> bool:
+    """Whether two holes overlap by more than a third, both ways, when seen along the normal of their side."""
+    if abs(a.side.normal @ b.side.normal) < 0.9 or abs((a.centre - b.centre) @ a.side.normal) > max_gap_m + 0.1:
+        return False
+    return all(_share(interval(a, along), interval(b, along)) > 1 / 3 for along in (a.side.u, a.side.v))
+
+
+def _share(a: tuple[float, float], b: tuple[float, float]) -> float:
+    """Return the common part of two intervals as a share of the shorter one."""
+    return (min(a[1], b[1]) - max(a[0], b[0])) / min(a[1] - a[0], b[1] - b[0])
+
+
+def interval(hole: Hole, along: F64) -> tuple[float, float]:
+    """Return from where to where a hole reaches along a direction, metres."""
+    middle = float(hole.centre @ along)
+    half = (abs(float(along @ hole.side.u)) * hole.width + abs(float(along @ hole.side.v)) * hole.height) / 2
+    return middle - half, middle + half

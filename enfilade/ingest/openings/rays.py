@@ -1,0 +1,158 @@
+"""Where laser rays go through the sides of rooms.
+
+A ray leaves a room through one of its walls, or comes into it through one: rays of the scanners that stand in a
+room and end behind a wall of it go out, rays that measured a point of the room from behind a wall of it come in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from enfilade.ingest.records import F64, I32, Bool, RoomLabels, Surfels, ThinnedCloud
+from enfilade.ingest.sides import Side
+
+CHUNK: Final = 400_000
+"""Rays looked at together; keeps the working memory small."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rays:
+    """Every ray of the thinned cloud.
+
+    Attributes
+    ----------
+    end, start
+        ``(N, 3) float32`` the measured points, ``(S, 3) float32`` the scanners.
+    scan
+        ``(N,) int32`` the scan of each ray.
+    from_room, to_room
+        ``(N,) int32`` the room in which the scanner stands, the room of the point; -1 for none.
+    """
+
+    end: NDArray[np.float32]
+    start: NDArray[np.float32]
+    scan: I32
+    from_room: I32
+    to_room: I32
+
+    def starts(self, ray: I32) -> F64:
+        """``(k, 3)`` scanner positions of some rays."""
+        return self.start[self.scan[ray]].astype(np.float64)
+
+    def ends(self, ray: I32) -> F64:
+        """``(k, 3)`` measured points of some rays."""
+        return self.end[ray].astype(np.float64)
+
+
+@dataclass(frozen=True, slots=True)
+class SideView:
+    """What is known of one side: the rays that cross it and the points that lie on it.
+
+    Attributes
+    ----------
+    side
+        The side.
+    ray
+        ``(k,) int32`` the rays that cross it.
+    crossing
+        ``(k, 2) float64`` where, along its axes, metres.
+    beyond
+        ``(k,) float64`` how far behind the side the ray ends (going out) or starts (coming in), metres.
+    outbound
+        ``(k,) bool`` whether the ray goes out of the room.
+    wall
+        ``(w, 2) float64`` the points on it, along its axes, metres.
+    """
+
+    side: Side
+    ray: I32
+    crossing: F64
+    beyond: F64
+    outbound: Bool
+    wall: F64
+
+
+def rays_of(cloud: ThinnedCloud, surfels: Surfels, labels: RoomLabels) -> Rays:
+    """Give every thinned point its ray and the rooms at both ends."""
+    known = surfels.point_surfel >= 0
+    to_room = np.full(len(cloud.scan), -1, dtype=np.int32)
+    to_room[known] = labels.after[surfels.point_surfel[known]]
+    return Rays(cloud.positions, cloud.scanner_positions, cloud.scan, labels.scan_room[cloud.scan], to_room)
+
+
+def view_sides(rays: Rays, sides: list[Side], *, surface_m: float) -> Iterator[SideView]:
+    """Collect the crossings and the surface points of every side, room by room.
+
+    Parameters
+    ----------
+    rays
+        All rays.
+    sides
+        Ordered by room.
+    surface_m
+        Points this close to a side lie on it; a ray crosses only if it goes on for more.
+
+    Yields
+    ------
+    One view a side, in the order given.
+    """
+    by_start = _Groups(rays.from_room)
+    by_end = _Groups(rays.to_room)
+    for room, own in groupby(sides, key=lambda side: side.room):
+        members = np.union1d(by_start.of(room), by_end.of(room)).astype(np.int32)
+        yield from _view_room(rays, members, list(own), room, surface_m)
+
+
+class _Groups:
+    """Indices by value, found with one sort."""
+
+    def __init__(self, values: I32) -> None:
+        self._order = np.argsort(values, kind="stable").astype(np.int32)
+        self._sorted = values[self._order]
+
+    def of(self, value: int) -> I32:
+        low, high = np.searchsorted(self._sorted, [value, value + 1])
+        return self._order[low:high]
+
+
+def _view_room(rays: Rays, members: I32, sides: list[Side], room: int, surface_m: float) -> Iterator[SideView]:
+    parts: list[list[tuple[I32, F64, F64, Bool, F64]]] = [[] for _ in sides]
+    for first in range(0, len(members), CHUNK):
+        chunk = members[first : first + CHUNK]
+        start, end = rays.starts(chunk), rays.ends(chunk)
+        leaves, enters = rays.from_room[chunk] == room, rays.to_room[chunk] == room
+        for part, side in zip(parts, sides, strict=True):
+            part.append(_cross(side, chunk, start, end, leaves, enters, surface_m))
+    for part, side in zip(parts, sides, strict=True):
+        ray, crossing, beyond, outbound, wall = (np.concatenate(columns) for columns in zip(*part, strict=True))
+        yield SideView(side, ray, crossing, beyond, outbound, wall)
+
+
+def _cross(
+    side: Side, ray: I32, start: F64, end: F64, leaves: Bool, enters: Bool, surface_m: float
+) -> tuple[I32, F64, F64, Bool, F64]:
+    """Crossings and surface points of one side among some rays."""
+    frame = np.column_stack([side.u, side.v])
+    ahead = start @ side.normal - side.offset
+    depth = end @ side.normal - side.offset
+    out = leaves & (ahead > surface_m) & (depth < -surface_m)
+    into = enters & ~leaves & (ahead < -surface_m) & (depth > surface_m)
+    hit = np.flatnonzero(out | into)
+    share = (ahead[hit] / (ahead[hit] - depth[hit]))[:, None]
+    crossing = (start[hit] + share * (end[hit] - start[hit])) @ frame
+    inside = _within(crossing, side.bounds, 0.1)
+    hit, crossing = hit[inside], crossing[inside]
+    beyond = np.where(out[hit], -depth[hit], -ahead[hit])
+    wall = end[enters & (np.abs(depth) < surface_m)] @ frame
+    return ray[hit], crossing, beyond, out[hit], wall[_within(wall, side.bounds, 0.1)]
+
+
+def _within(places: F64, bounds: F64, margin: float) -> Bool:
+    inside = (places > bounds[:2] - margin) & (places < bounds[2:] + margin)
+    return np.asarray(inside.all(axis=1), dtype=np.bool_)
