@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from enfilade.errors import InputError
 from .records import F32, I32
 
 I64 = NDArray[np.int64]

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial import cKDTree
 
-from ..errors import InputError
+from enfilade.errors import InputError
 from .records import F32, F64, I32, Planes
 from .structure import Structure
 

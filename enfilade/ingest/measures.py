@@ -40,7 +40,7 @@ def measure_rooms(
     labels: RoomLabels,
     parameters: MeasureParameters = MeasureParameters(),
 ) -> tuple[Room, ...]:
-    """Measure every room that has a horizontal plane, in order of number."""
+    """Measure every room, in order of number."""
     order = np.argsort(labels.after, kind="stable")
     ends = np.cumsum(np.bincount(labels.after + 1, minlength=labels.room_count + 1))
     point_room = labels.after[surfels.point_surfel[surfels.point_surfel >= 0]]
@@ -51,12 +51,9 @@ def measure_rooms(
         scans = np.flatnonzero(labels.scan_room == number)
         positions, plane = surfels.positions[members], planes.surfel_plane[members]
         level = positions[_on(planes.horizontal, plane)]
-        if not len(level):
-            continue
+        level = level if len(level) else positions
         floor = _floor(planes, positions, plane, cloud.scanner_positions[scans])
-        elevation = (
-            float(positions[plane == floor, 2].mean(dtype=np.float64)) if floor >= 0 else float(level[:, 2].min())
-        )
+        elevation = _mean_height(positions[plane == floor]) if floor >= 0 else float(positions[:, 2].min())
         rooms.append(
             Room(
                 number=number,
@@ -73,6 +70,10 @@ def measure_rooms(
             )
         )
     return tuple(rooms)
+
+
+def _mean_height(positions: F32) -> float:
+    return float(positions[:, 2].mean(dtype=np.float64))
 
 
 def _on(kind: Bool, plane: I32) -> Bool:
@@ -95,7 +96,7 @@ def _ceiling(planes: Planes, positions: F32, plane: I32, floor: float, least_hei
     if not downward.any():
         return None
     ceiling = np.argmax(np.bincount(plane[downward]))
-    return float(positions[downward & (plane == ceiling), 2].mean(dtype=np.float64))
+    return _mean_height(positions[downward & (plane == ceiling)])
 
 
 def _area(level: F32, cell_m: float) -> float:

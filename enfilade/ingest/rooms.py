@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ..progress import Progress, Silent
+from enfilade.progress import Progress, Silent
+
 from .cells import CellGrid
 from .records import F32, F64, I32, Planes, RoomLabels, Surfels
 from .structure import Structure
@@ -40,11 +41,14 @@ class RoomParameters:
         Sample rays from each of them.
     iterations
         N of Eq. 5: how many iterations are summed.
+    least_surfels
+        A room left with fewer is joined to the one that took its surfels: its scans stood in a doorway, say.
     """
 
     node_m: float = 0.20
     rays: int = 24
     iterations: int = 5
+    least_surfels: int = 400
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,14 +91,26 @@ def label_rooms(
     progress: Progress = _SILENT,
 ) -> RoomLabels:
     """Give each surfel the room that the surfels in its sight agree on, starting from the rooms of their scans."""
-    before = scan_room[surfels.scan]
     nodes = gather_nodes(surfels, planes, parameters.node_m)
     transition = trace_transitions(surfels, planes, nodes, parameters, progress=progress)
-    label, agreement = _diffuse(transition, nodes, before, parameters.iterations)
-    after = label[nodes.of_surfel]
-    after = np.where(after >= 0, after, before).astype(np.int32)
-    room_count = int(scan_room.max(initial=-1)) + 1
-    return RoomLabels(before, after, agreement[nodes.of_surfel], scan_room, room_count)
+    scan_room = np.unique(scan_room, return_inverse=True)[1].astype(np.int32)
+    while True:
+        before = scan_room[surfels.scan]
+        label, agreement = _diffuse(transition, nodes, before, parameters.iterations)
+        after = label[nodes.of_surfel]
+        size = np.bincount(after, minlength=int(scan_room.max(initial=-1)) + 1)
+        lost = np.flatnonzero(size < parameters.least_surfels)
+        if len(lost) in (0, len(size)):
+            return RoomLabels(before, after, agreement[nodes.of_surfel], scan_room, len(size))
+        scan_room = _absorbed(scan_room, before, after, lost[np.argmin(size[lost])])
+
+
+def _absorbed(scan_room: I32, before: I32, after: I32, lost: np.intp) -> I32:
+    """Rooms of the scans after a room that lost nearly all its surfels is joined to the one that got most of them."""
+    winners = np.bincount(after[before == lost], minlength=int(scan_room.max()) + 1)
+    winners[lost] = -1
+    joined = np.where(scan_room == lost, np.argmax(winners), scan_room)
+    return np.unique(joined, return_inverse=True)[1].astype(np.int32)
 
 
 def gather_nodes(surfels: Surfels, planes: Planes, node_m: float) -> Nodes:

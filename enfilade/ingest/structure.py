@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..native import open3d
+from enfilade.native import open3d
 from .records import F32, I32, Bitmap, Bool, Planes
 
 I64 = NDArray[np.int64]

@@ -10,8 +10,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..errors import InputError
-from ..progress import Progress, Silent
+from enfilade.errors import InputError
+from enfilade.progress import Progress, Silent
 from .records import F32, F64, I32, Scan, ThinnedCloud
 
 _SILENT: Final = Silent()

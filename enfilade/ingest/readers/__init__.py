@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
-from ...errors import InputError
-from ..records import Scan
+from enfilade.errors import InputError
+from enfilade.ingest.records import Scan
 from . import e57
 
 Reader = Callable[[Path], Iterator[Scan]]

@@ -11,8 +11,8 @@ import pye57
 from pye57 import libe57
 from pye57.utils import convert_spherical_to_cartesian
 
-from ...errors import InputError
-from ..records import F64, Bool, Scan
+from enfilade.errors import InputError
+from enfilade.ingest.records import F64, Bool, Scan
 
 CARTESIAN: Final = ("cartesianX", "cartesianY", "cartesianZ")
 SPHERICAL: Final = ("sphericalRange", "sphericalAzimuth", "sphericalElevation")

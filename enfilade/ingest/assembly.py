@@ -1,0 +1,222 @@
+"""The building's graph and labelled cloud, put together from what the stages found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from enfilade.clouds import LabelledCloud
+from enfilade.schema.graph import BuildingGraph
+
+from .records import (
+    I32,
+    Combination,
+    Neighbour,
+    Objects,
+    Opening,
+    Planes,
+    Room,
+    RoomLabels,
+    Storey,
+    Surfels,
+    ThinnedCloud,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """What the stages found in one building."""
+
+    cloud: ThinnedCloud
+    surfels: Surfels
+    planes: Planes
+    labels: RoomLabels
+    rooms: tuple[Room, ...]
+    storeys: tuple[Storey, ...]
+    neighbours: tuple[Neighbour, ...]
+    openings: tuple[Opening, ...]
+    objects: Objects
+
+    @property
+    def room_storey(self) -> I32:
+        """``(R,) int32`` storey of each room."""
+        storey = np.full(self.labels.room_count, -1, np.int32)
+        for level in self.storeys:
+            storey[list(level.rooms)] = level.index
+        return storey
+
+
+def assemble_graph(
+    building: str,
+    found: Findings,
+    descriptor_shape: tuple[int, int, int],
+    provenance: Mapping[str, Any],
+) -> BuildingGraph:
+    """Put the graph of a building together; `provenance` holds further properties of the building's node."""
+    graph = BuildingGraph(building, descriptor_shape=descriptor_shape if found.objects.combinations else None)
+    origin = found.cloud.origin
+    _add_building(graph, found.cloud, provenance)
+    _add_storeys(graph, found.storeys, found.rooms, origin)
+    _add_rooms(graph, found.rooms, found.room_storey, origin)
+    _add_neighbours(graph, found.neighbours)
+    _add_openings(graph, found.openings, origin)
+    _add_objects(graph, found.objects, origin)
+    return graph
+
+
+def assemble_cloud(found: Findings) -> LabelledCloud:
+    """Label every thinned point, in the scans' own coordinates."""
+    room = _of_surfel(found.labels.after, found.surfels.point_surfel)
+    thing = np.full(len(room), -1, np.int32)
+    for segment in found.objects.segments:
+        thing[segment.points] = segment.number
+    return LabelledCloud(
+        found.cloud.positions + found.cloud.origin,
+        _of_surfel(found.room_storey, room),
+        room,
+        thing,
+        _of_surfel(found.planes.surfel_plane, found.surfels.point_surfel),
+        found.cloud.scan,
+    )
+
+
+def _of_surfel(values: I32, index: I32) -> I32:
+    """``values[index]``, and -1 where the index is -1."""
+    return np.append(values, np.int32(-1))[index]
+
+
+def _add_building(graph: BuildingGraph, cloud: ThinnedCloud, provenance: Mapping[str, Any]) -> None:
+    low, high = cloud.positions.min(axis=0) + cloud.origin, cloud.positions.max(axis=0) + cloud.origin
+    graph.add_node(
+        graph.building,
+        "Building",
+        name=graph.building,
+        scan_count=len(cloud.scan_names),
+        point_count=cloud.raw_count,
+        bounds=[*low.tolist(), *high.tolist()],
+        origin=cloud.origin.tolist(),
+        **provenance,
+    )
+
+
+def _add_storeys(
+    graph: BuildingGraph, storeys: Sequence[Storey], rooms: Sequence[Room], origin: NDArray[np.float64]
+) -> None:
+    by_number = {room.number: room for room in rooms}
+    for storey in storeys:
+        inside = [by_number[number] for number in storey.rooms]
+        ceilings = [room.ceiling_elevation for room in inside if room.ceiling_elevation is not None]
+        id = _id(graph, "s", storey.index)
+        graph.add_node(
+            id,
+            "Storey",
+            name=f"Storey {storey.index}",
+            index=storey.index,
+            elevation=storey.elevation + float(origin[2]),
+            height=max(ceilings) - storey.elevation if ceilings else None,
+            area=sum(room.area for room in inside),
+        )
+        graph.add_edge(graph.building, "HAS_STOREY", id)
+    for lower, upper in zip(storeys, storeys[1:], strict=False):
+        graph.add_edge(_id(graph, "s", lower.index), "BELOW", _id(graph, "s", upper.index))
+
+
+def _add_rooms(graph: BuildingGraph, rooms: Sequence[Room], room_storey: I32, origin: NDArray[np.float64]) -> None:
+    for room in rooms:
+        id = _id(graph, "r", room.number)
+        ceiling = room.ceiling_elevation
+        graph.add_node(
+            id,
+            "Room",
+            name=f"Room {room.number}",
+            area=room.area,
+            floor_elevation=room.floor_elevation + float(origin[2]),
+            ceiling_elevation=None if ceiling is None else ceiling + float(origin[2]),
+            height=None if ceiling is None else ceiling - room.floor_elevation,
+            centroid=(room.centroid + origin).tolist(),
+            bounds=(room.bounds + np.tile(origin, 2)).tolist(),
+            outline=[(ring + origin[:2]).ravel().tolist() for ring in room.outline],
+            point_count=room.point_count,
+            scans=list(room.scans),
+            confidence=room.confidence,
+        )
+        graph.add_edge(_id(graph, "s", int(room_storey[room.number])), "HAS_ROOM", id)
+
+
+def _add_neighbours(graph: BuildingGraph, neighbours: Sequence[Neighbour]) -> None:
+    for pair in neighbours:
+        graph.add_edge(
+            _id(graph, "r", pair.room_a),
+            "NEIGHBOUR",
+            _id(graph, "r", pair.room_b),
+            gap=pair.gap,
+            area=pair.area,
+            planes=[plane for planes in pair.plane_pairs for plane in planes],
+        )
+
+
+def _add_openings(graph: BuildingGraph, openings: Sequence[Opening], origin: NDArray[np.float64]) -> None:
+    for number, opening in enumerate(openings):
+        id = _id(graph, "p", number)
+        graph.add_node(
+            id,
+            "Opening",
+            name=f"{opening.kind.capitalize()} {number}",
+            kind=opening.kind,
+            orientation=opening.orientation,
+            width=opening.width,
+            height=opening.height,
+            sill=opening.sill,
+            area=opening.area,
+            position=(opening.position + origin).tolist(),
+            normal=opening.normal.tolist(),
+            ray_count=opening.ray_count,
+            state=opening.state,
+            confidence=opening.confidence,
+        )
+        for room in (opening.room_a, opening.room_b):
+            if room is not None:
+                graph.add_edge(_id(graph, "r", room), "OPENS", id)
+
+
+def _add_objects(graph: BuildingGraph, objects: Objects, origin: NDArray[np.float64]) -> None:
+    room_of = {segment.number: segment.room for segment in objects.segments}
+    for combination in objects.combinations:
+        id = _add_object(graph, combination, origin)
+        graph.add_edge(_id(graph, "r", room_of[combination.segments[0]]), "CONTAINS", id)
+    for combination in objects.combinations:
+        if len(combination.segments) > 1:
+            for segment in combination.segments:
+                graph.add_edge(_id(graph, "o", segment), "PART_OF", _object_id(graph, combination.segments))
+    for a, b, distance in objects.near:
+        graph.add_edge(_id(graph, "o", a), "NEAR", _id(graph, "o", b), distance=distance)
+
+
+def _add_object(graph: BuildingGraph, combination: Combination, origin: NDArray[np.float64]) -> str:
+    id = _object_id(graph, combination.segments)
+    graph.add_node(
+        id,
+        "Object",
+        name="Object " + "+".join(str(segment) for segment in combination.segments),
+        segments=[_id(graph, "o", segment) for segment in combination.segments],
+        parts=len(combination.segments),
+        size=combination.size.tolist(),
+        position=(combination.position + origin).tolist(),
+        floor_offset=combination.floor_offset,
+        point_count=combination.point_count,
+        descriptor=combination.descriptor,
+        foot_descriptor=combination.foot_descriptor,
+    )
+    return id
+
+
+def _object_id(graph: BuildingGraph, segments: Sequence[int]) -> str:
+    return f"{graph.building}/" + "+".join(f"o{segment}" for segment in segments)
+
+
+def _id(graph: BuildingGraph, letter: str, number: int) -> str:
+    return f"{graph.building}/{letter}{number}"

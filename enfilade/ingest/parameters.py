@@ -1,0 +1,33 @@
+"""The parameters of all stages, each with its default."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from enfilade.descriptors import DEFAULT_LAYOUT, Layout
+
+from .groups import GroupParameters
+from .measures import MeasureParameters
+from .neighbours import NeighbourParameters
+from .openings import OpeningParameters
+from .planes import PlaneParameters
+from .rooms import RoomParameters
+from .storeys import StoreyParameters
+from .surfels import SurfelParameters
+from .thinning import ThinningParameters
+
+
+@dataclass(frozen=True, slots=True)
+class Parameters:
+    """One field a stage, in order; the resolved set is stored on the building."""
+
+    thinning: ThinningParameters = field(default_factory=ThinningParameters)
+    surfels: SurfelParameters = field(default_factory=SurfelParameters)
+    planes: PlaneParameters = field(default_factory=PlaneParameters)
+    groups: GroupParameters = field(default_factory=GroupParameters)
+    rooms: RoomParameters = field(default_factory=RoomParameters)
+    measures: MeasureParameters = field(default_factory=MeasureParameters)
+    storeys: StoreyParameters = field(default_factory=StoreyParameters)
+    neighbours: NeighbourParameters = field(default_factory=NeighbourParameters)
+    openings: OpeningParameters = field(default_factory=OpeningParameters)
+    descriptors: Layout = DEFAULT_LAYOUT

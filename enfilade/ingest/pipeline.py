@@ -1,0 +1,104 @@
+"""From scans to one building's graph: the stages, in order, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from enfilade.clouds import LabelledCloud
+from enfilade.progress import Progress, Silent
+from enfilade.schema.graph import BuildingGraph
+
+from .assembly import Findings, assemble_cloud, assemble_graph
+from .groups import group_scans
+from .measures import measure_rooms
+from .neighbours import find_neighbours
+from .openings import find_openings
+from .parameters import Parameters
+from .planes import find_planes
+from .provenance import provenance
+from .readers import read_scans, scan_files
+from .records import Objects
+from .rooms import label_rooms
+from .stopwatch import Stopwatch
+from .storeys import find_storeys
+from .surfels import make_surfels
+from .thinning import thin
+
+_DEFAULTS: Final = Parameters()
+_SILENT: Final = Silent()
+
+
+@dataclass(frozen=True, slots=True)
+class Ingested:
+    """One building as the stages found it.
+
+    Attributes
+    ----------
+    graph, cloud
+        What goes into the store and beside it.
+    timings
+        Seconds that each stage took, by its name, in order.
+    """
+
+    graph: BuildingGraph
+    cloud: LabelledCloud
+    timings: Mapping[str, float]
+
+
+def ingest(
+    sources: Sequence[Path],
+    *,
+    building: str,
+    parameters: Parameters = _DEFAULTS,
+    rooms_csv: Path | None = None,
+    progress: Progress = _SILENT,
+) -> Ingested:
+    """Turn the registered scans of one building into its graph and its labelled cloud.
+
+    Parameters
+    ----------
+    sources
+        Scan files, or folders of them.
+    building
+        Id of the building.
+    parameters
+        Parameters of all stages.
+    rooms_csv
+        Grouping table (``scan,room``) that overrides the automatic groups in whole or in part.
+    progress
+        Hears of every stage.
+
+    Raises
+    ------
+    InputError
+        A scan file, a folder or the table cannot be used; the message names it and the cause.
+    """
+    watch = Stopwatch(progress)
+    files = scan_files(sources)
+
+    watch.start("read and thin")
+    cloud = thin(read_scans(files), parameters.thinning, progress=watch)
+    watch.start("surfels")
+    surfels = make_surfels(cloud, parameters.surfels)
+    watch.start("planes")
+    planes = find_planes(surfels, parameters.planes)
+    watch.start("groups")
+    scan_room = group_scans(planes, cloud.scanner_positions, cloud.scan_names, rooms_csv, parameters.groups)
+    watch.start("rooms", 1.0)
+    labels = label_rooms(surfels, planes, scan_room, parameters.rooms, progress=watch)
+    watch.start("measures")
+    rooms = measure_rooms(cloud, surfels, planes, labels, parameters.measures)
+    storeys = find_storeys(rooms, parameters.storeys)
+    watch.start("neighbours")
+    neighbours = find_neighbours(surfels, planes, labels, rooms, parameters.neighbours)
+    watch.start("openings")
+    openings = find_openings(cloud, surfels, planes, labels, rooms, neighbours, parameters.openings)
+    objects = Objects((), ())
+    watch.start("graph")
+    found = Findings(cloud, surfels, planes, labels, rooms, storeys, neighbours, openings, objects)
+    origin_of_all = provenance(files, rooms_csv, parameters)
+    graph = assemble_graph(building, found, parameters.descriptors.shape, origin_of_all)
+    return Ingested(graph, assemble_cloud(found), watch.stop())

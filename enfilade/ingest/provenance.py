@@ -1,0 +1,36 @@
+"""Where a building's graph comes from: its files, parameters, software and a hash that tells if they changed."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import asdict
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import enfilade
+
+from .parameters import Parameters
+
+
+def provenance(files: Sequence[Path], rooms_csv: Path | None, parameters: Parameters) -> dict[str, Any]:
+    """Return the properties of a building's node that say what it was made from."""
+    resolved = asdict(parameters)
+    return {
+        "source_files": [file.name for file in files],
+        "ingested_at": datetime.now(UTC).isoformat(timespec="seconds"),
+        "parameters": resolved,
+        "software_version": enfilade.__version__,
+        "content_hash": content_hash(files, rooms_csv, resolved),
+    }
+
+
+def content_hash(files: Sequence[Path], rooms_csv: Path | None, parameters: dict[str, Any]) -> str:
+    """SHA-256 of the scan files, the grouping table and the parameters, in hexadecimal."""
+    whole = hashlib.sha256(json.dumps(parameters, sort_keys=True).encode())
+    for file in [*files, *([rooms_csv] if rooms_csv is not None else [])]:
+        with file.open("rb") as stream:
+            whole.update(hashlib.file_digest(stream, "sha256").digest())
+    return whole.hexdigest()
