@@ -205,12 +205,14 @@ def test_an_object_may_be_a_combination_of_segments():
 
 
 def test_clouds_of_two_buildings_are_refused():
-    cloud = make_cloud()
-    elsewhere = LabelledCloud(
-        cloud.positions + 100, *(getattr(cloud, n) for n in ("storey", "room", "object", "plane", "scan"))
-    )
+    elsewhere = moved(make_cloud(), 100.0)
     with pytest.raises(InputError, match="no place in common"):
         compare(cloud=elsewhere)
+
+
+def test_storeys_are_compared_by_the_rooms_on_them_not_by_their_index():
+    found = compare(make_graph(scans=False, storeys={n: 5 + int(n >= 3) for n in ROOMS})).storeys
+    assert (found.rooms_right, found.misplaced) == (1, ())
 
 
 def test_two_folders_are_compared(tmp_path):
