@@ -1,1 +1,9 @@
 """A real Neo4j on this machine, without Docker, root or a system Java."""
+
+from __future__ import annotations
+
+from .home import cache_folder
+from .launch import Settings
+from .process import ServerStatus, local_password, start, status, stop
+
+__all__ = ["ServerStatus", "Settings", "cache_folder", "local_password", "start", "status", "stop"]
