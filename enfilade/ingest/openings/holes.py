@@ -17,6 +17,9 @@ from enfilade.ingest.sides import Side
 REACH_M = 0.15
 """How far from the outermost ray the wall beside a hole may begin."""
 
+REVEAL_M = 0.12
+"""Points up to this far behind the wall, in a hole, are its reveal: they show its edge."""
+
 
 @dataclass(frozen=True, slots=True)
 class Hole:
@@ -106,7 +109,8 @@ def _components(
 
 
 def _hole(view: SideView, members: NDArray[np.int_], cells: int, cell_m: float) -> Hole:
-    places = view.crossing[members]
+    reveal = members[view.outbound[members] & (view.beyond[members] < REVEAL_M)]
+    places = np.concatenate([view.crossing[members], view.end[reveal]])
     wall = view.wall
     low, high = np.percentile(places, [0.5, 99.5], axis=0)
     near = ((wall > low - 2 * REACH_M) & (wall < high + 2 * REACH_M)).all(axis=1)

@@ -76,8 +76,9 @@ def _lead(hole: Hole, rays: Rays, parameters: OpeningParameters) -> Lead | None:
     """Ask the rays through a hole which room is behind it; None if it is the room itself."""
     room = hole.side.room
     far = np.where(hole.outbound, rays.to_room[hole.ray], rays.from_room[hole.ray])
+    far[hole.beyond < parameters.max_gap_m] = -1  # on the reveal, which has no say
     weight = np.exp(-hole.beyond / NEAR_M)
-    same = float(weight[(far == room) & (hole.beyond > parameters.max_gap_m)].sum())
+    same = float(weight[far == room].sum())
     others = (far != room) & (far >= 0)
     if others.sum() < parameters.min_rays:
         return None

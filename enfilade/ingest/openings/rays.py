@@ -62,6 +62,8 @@ class SideView:
         ``(k,) int32`` the rays that cross it.
     crossing
         ``(k, 2) float64`` where, along its axes, metres.
+    end
+        ``(k, 2) float64`` where the measured points of these rays are, along the axes, metres.
     beyond
         ``(k,) float64`` how far behind the side the ray ends (going out) or starts (coming in), metres.
     outbound
@@ -73,6 +75,7 @@ class SideView:
     side: Side
     ray: I32
     crossing: F64
+    end: F64
     beyond: F64
     outbound: Bool
     wall: F64
@@ -122,7 +125,7 @@ class _Groups:
 
 
 def _view_room(rays: Rays, members: I32, sides: list[Side], room: int, surface_m: float) -> Iterator[SideView]:
-    parts: list[list[tuple[I32, F64, F64, Bool, F64]]] = [[] for _ in sides]
+    parts: list[list[tuple[I32, F64, F64, F64, Bool, F64]]] = [[] for _ in sides]
     for first in range(0, len(members), CHUNK):
         chunk = members[first : first + CHUNK]
         start, end = rays.starts(chunk), rays.ends(chunk)
@@ -130,13 +133,12 @@ def _view_room(rays: Rays, members: I32, sides: list[Side], room: int, surface_m
         for part, side in zip(parts, sides, strict=True):
             part.append(_cross(side, chunk, start, end, leaves, enters, surface_m))
     for part, side in zip(parts, sides, strict=True):
-        ray, crossing, beyond, outbound, wall = (np.concatenate(columns) for columns in zip(*part, strict=True))
-        yield SideView(side, ray, crossing, beyond, outbound, wall)
+        yield SideView(side, *(np.concatenate(columns) for columns in zip(*part, strict=True)))
 
 
 def _cross(
     side: Side, ray: I32, start: F64, end: F64, leaves: Bool, enters: Bool, surface_m: float
-) -> tuple[I32, F64, F64, Bool, F64]:
+) -> tuple[I32, F64, F64, F64, Bool, F64]:
     """Crossings and surface points of one side among some rays."""
     frame = np.column_stack([side.u, side.v])
     ahead = start @ side.normal - side.offset
@@ -149,8 +151,8 @@ def _cross(
     inside = _within(crossing, side.bounds, 0.1)
     hit, crossing = hit[inside], crossing[inside]
     beyond = np.where(out[hit], -depth[hit], -ahead[hit])
-    wall = end[enters & (np.abs(depth) < surface_m)] @ frame
-    return ray[hit], crossing, beyond, out[hit], wall[_within(wall, side.bounds, 0.1)]
+    wall = end[np.abs(depth) < surface_m] @ frame
+    return ray[hit], crossing, end[hit] @ frame, beyond, out[hit], wall[_within(wall, side.bounds, 0.1)]
 
 
 def _within(places: F64, bounds: F64, margin: float) -> Bool:

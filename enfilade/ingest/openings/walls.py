@@ -79,13 +79,13 @@ def _opening(
         edges[1], bounded[1] = floor, True
     side = group[0].hole.side
     ray = through(group, rays, pair)
-    if len(ray) < parameters.min_rays or edges[2] - edges[0] < parameters.min_width_m:
+    width, height = (edges[2:] - edges[:2]).tolist()
+    if len(ray) < parameters.min_rays or width < parameters.min_width_m or height < parameters.min_height_m:
         return None
     centres = [lead.hole.side.offset * (lead.hole.side.normal @ side.normal) for lead in group]
     offset = (min(centres) + max(centres)) / 2 if len(group) > 1 else side.offset - (gap or 0.0) / 2
     middle = (edges[:2] + edges[2:]) / 2
     position = middle[0] * side.u + middle[1] * side.v + offset * side.normal
-    width, height = (edges[2:] - edges[:2]).tolist()
     kind = _kind(edges, bounded, [rooms[number] for number in pair], parameters)
     return Opening(
         kind=kind,
