@@ -1,29 +1,29 @@
 """Which scans share a room: seen from under the ceiling, where a lintel closes every door (§4, first phase).
 
 The paper merges the scan positions of a room by hand. Here each scanner is lifted to just below its ceiling, and
-free places around it at that height are sampled. Two scans share a room where most of their places see each other:
-in one room they do, through a door the wall above it is in the way, and through a passage without lintel only the
-few do that are in line with it.
+free places around it at that height are sampled. Two scans share a room where their places see each other and few
+have a wall between them: round the corner of a room there is no wall, only more than one; through a door the wall
+above it is in the way of all; through a passage without lintel only those see each other that are in line with it.
 """
 
 from __future__ import annotations
 
-import csv
+from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 from scipy.spatial import cKDTree
 
-from enfilade.errors import InputError
-from .records import F32, F64, I32, Planes
+from .records import F32, F64, I32, Bool, Groups, Planes
 from .structure import Structure
 
 I64 = NDArray[np.int64]
-HEADER: Final = ("scan", "room")
+_PAIRS_AT_ONCE: Final = 2048
+_RIVALS: Final = 6
+_SHORT_OF_WALL: Final = 0.95
+_GOLDEN: Final = (np.sqrt(5.0) - 1.0) / 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,118 +37,134 @@ class GroupParameters:
     headroom_m
         How far a scanner is lifted where no ceiling is seen.
     azimuths
-        Directions in which free places around a lifted scanner are sampled.
+        Directions in which a lifted scanner looks around.
+    places
+        Places sampled in the area that it overlooks.
     reach_m
         Scans farther apart than this are not compared.
     sight_pairs
         Pairs of places that are tested for each pair of scans.
     least_sight
         Share of those pairs that must see each other.
+    wall_m
+        What is opaque for less than this along a line is a wall.
+    least_open
+        Of the pairs that see each other or have one wall between them, the share that must see each other.
+    least_evidence
+        Share of pairs that see each other or have one wall between them, below which they say nothing.
     storey_gap_m
         Scanners more than this apart in height, with none between, are numbered as different storeys.
     """
 
     below_ceiling_m: float = 0.15
     headroom_m: float = 0.7
-    azimuths: int = 48
+    azimuths: int = 180
+    places: int = 61
     reach_m: float = 20.0
-    sight_pairs: int = 288
-    least_sight: float = 0.4
+    sight_pairs: int = 610
+    least_sight: float = 0.05
+    wall_m: float = 0.6
+    least_open: float = 0.5
+    least_evidence: float = 0.15
     storey_gap_m: float = 1.2
 
 
 def group_scans(
     planes: Planes,
     scanner_positions: F32,
-    scan_names: tuple[str, ...],
-    rooms_csv: Path | None = None,
+    given: Mapping[int, str] | None = None,
     parameters: GroupParameters = GroupParameters(),
-) -> I32:
-    """Return the room of each scan, ``(S,) int32``, numbered from below, then along x and y.
+) -> Groups:
+    """Find which scans share a room; rooms are numbered from below, then along x and y.
 
-    `rooms_csv` (header ``scan,room``; a scan by name or index) overrides the automatic groups: scans it lists are in
-    the rooms it says, and a scan it does not list follows the nearest listed scan of its automatic group, if any.
-
-    Raises
-    ------
-    InputError
-        `rooms_csv` cannot be read, or a line of it names a scan that there is not.
+    Parameters
+    ----------
+    planes
+        The building's structure.
+    scanner_positions
+        ``(S, 3) float32``, metres.
+    given
+        Rooms of some or all scans as the user names them. They override the automatic groups, and a scan that is
+        not among them follows the nearest given scan of its automatic group, if there is one.
     """
-    group = _automatic_groups(Structure(planes), scanner_positions, parameters)
-    if rooms_csv is not None:
-        group = _overridden(group, read_rooms(rooms_csv, scan_names), scanner_positions)
-    return _numbered(group, scanner_positions.astype(np.float64), parameters.storey_gap_m)
+    structure = Structure(planes)
+    lifted = scanner_positions.copy()
+    lifted[:, 2] += _headroom(structure, scanner_positions, parameters)
+    views = _compare_views(structure, lifted, parameters)
+    group = _joined(len(lifted), views, parameters)
+    group = _overridden(group, given or {}, scanner_positions)
+    scan_room = _numbered(group, scanner_positions.astype(np.float64), parameters.storey_gap_m)
+    return Groups(scan_room, lifted, _votes(scan_room, views, parameters))
 
 
-def read_rooms(path: Path, scan_names: tuple[str, ...]) -> dict[int, str]:
-    """Read a grouping table: the room that it gives to each scan (by index).
+@dataclass(frozen=True, slots=True)
+class _Views:
+    """How pairs of scans see each other's surroundings: ``(n, 2)`` pairs, shares of place pairs ``(n,)``."""
 
-    Raises
-    ------
-    InputError
-        The file is missing or no CSV with header ``scan,room``, or a line is wrong; the message has its number.
-    """
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = list(csv.reader(file))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"the grouping {path} cannot be read: {error}") from error
-    if not rows or tuple(cell.strip() for cell in rows[0]) != HEADER:
-        raise InputError(f"{path}, line 1: the header must be 'scan,room'")
-    rooms: dict[int, str] = {}
-    for line, row in enumerate(rows[1:], start=2):
-        if not any(cell.strip() for cell in row):
-            continue
-        scan, room = _read_row(row, f"{path}, line {line}", scan_names)
-        if rooms.setdefault(scan, room) != room:
-            raise InputError(f"{path}, line {line}: scan {row[0].strip()!r} is already in room {rooms[scan]!r}")
-    return rooms
+    pairs: I64
+    seen: F64
+    walled: F64
+
+    def openness(self, least_evidence: float) -> F64:
+        """``(n,)``: of what is seen or walled, the share that is seen; 0.5 where too little is either."""
+        evidence = self.seen + self.walled
+        share = np.full(len(evidence), 0.5)
+        return np.divide(self.seen, evidence, out=share, where=evidence >= least_evidence)
 
 
-def _read_row(row: list[str], where: str, scan_names: tuple[str, ...]) -> tuple[int, str]:
-    if len(row) != len(HEADER):
-        raise InputError(f"{where}: {len(row)} columns where 2 are needed: scan,room")
-    scan, room = (cell.strip() for cell in row)
-    if not room:
-        raise InputError(f"{where}: the room of scan {scan!r} is empty")
-    named = [index for index, name in enumerate(scan_names) if name == scan]
-    if len(named) > 1:
-        raise InputError(f"{where}: {len(named)} scans are called {scan!r}: name it by its index, counted from 0")
-    if named:
-        return named[0], room
-    if scan.isdecimal() and int(scan) < len(scan_names):
-        return int(scan), room
-    raise InputError(f"{where}: there is no scan {scan!r}; the scans are {_some(scan_names)}")
-
-
-def _some(names: tuple[str, ...], most: int = 5) -> str:
-    shown = ", ".join(repr(name) for name in names[:most])
-    return shown if len(names) <= most else f"{shown} and {len(names) - most} more"
-
-
-# --- automatic -------------------------------------------------------------------------------------------------
-
-
-def _automatic_groups(structure: Structure, scanners: F32, parameters: GroupParameters) -> I64:
-    pairs = cKDTree(scanners).query_pairs(parameters.reach_m, output_type="ndarray")
+def _compare_views(structure: Structure, lifted: F32, parameters: GroupParameters) -> _Views:
+    pairs = np.sort(cKDTree(lifted).query_pairs(parameters.reach_m, output_type="ndarray"), axis=1)
     pairs = pairs[np.lexsort(pairs.T[::-1])]
-    places = _free_places(structure, scanners, parameters)
-    joined = pairs[_sight(structure, places, pairs, parameters.sight_pairs) >= parameters.least_sight]
-    links = sparse.coo_array((np.ones(len(joined), np.int8), tuple(joined.T)), shape=(len(scanners),) * 2)
-    return np.asarray(sparse.csgraph.connected_components(links, directed=False)[1], np.int64)
+    places = _free_places(structure, lifted, parameters)
+    own = _own_places(structure, lifted, places)
+    return _Views(pairs, *_sight(structure, places, own, pairs, parameters))
 
 
-def _free_places(structure: Structure, scanners: F32, parameters: GroupParameters) -> F32:
-    """``(S, K, 3)``: places around each scanner that it reaches freely, just below its ceiling."""
-    lifted = scanners.copy()
-    lifted[:, 2] += _headroom(structure, scanners, parameters)
+def _joined(count: int, views: _Views, parameters: GroupParameters) -> I64:
+    """Join scans, the most open pairs first, unless that would put two into one room that a wall clearly parts.
+
+    So a scanner that stood in a wide passage goes with one side and does not join the two.
+    """
+    openness = views.openness(parameters.least_evidence)
+    parted = {(int(a), int(b)) for a, b in views.pairs[openness < parameters.least_open]}
+    rooms = [{scan} for scan in range(count)]
+    linked = np.flatnonzero((views.seen >= parameters.least_sight) & (openness >= parameters.least_open))
+    for a, b in views.pairs[linked[np.argsort(-openness[linked], kind="stable")]]:
+        one, other = rooms[a], rooms[b]
+        if one is not other and not any((min(p, q), max(p, q)) in parted for p in one for q in other):
+            one |= other
+            for scan in other:
+                rooms[scan] = one
+    return np.array([min(room) for room in rooms], np.int64)
+
+
+def _votes(scan_room: I32, views: _Views, parameters: GroupParameters) -> Bool:
+    """``(S,)``: False where a scan is as open to another room as to its own, if its room has other scans that vote."""
+    openness = views.openness(parameters.least_evidence)
+    open_pairs = (views.seen >= parameters.least_sight) & (openness >= parameters.least_open)
+    a, b = views.pairs[open_pairs].T
+    across = scan_room[a] != scan_room[b]
+    votes = np.ones(len(scan_room), bool)
+    for scan in np.unique(np.concatenate([a[across], b[across]])):
+        mates = np.flatnonzero((scan_room == scan_room[scan]) & votes)
+        votes[scan] = len(mates) == 1
+    return votes
+
+
+def _free_places(structure: Structure, lifted: F32, parameters: GroupParameters) -> F32:
+    """``(S, K, 3)``: places spread evenly over the area that each lifted scanner overlooks at its height."""
     azimuth = 2.0 * np.pi * np.arange(parameters.azimuths) / parameters.azimuths
     rays = np.stack([np.cos(azimuth), np.sin(azimuth), np.zeros_like(azimuth)], axis=1).astype(np.float32)
     starts = np.repeat(lifted, len(rays), axis=0)
-    directions = np.tile(rays, (len(lifted), 1))
-    free = np.minimum(structure.cast(starts, directions).distance, parameters.reach_m / 2.0)
-    shares = np.tile(np.array([0.3, 0.6, 0.9], np.float32), (len(starts) + 2) // 3)[: len(starts)]
-    return (starts + directions * (free * shares)[:, None]).reshape(len(lifted), len(rays), 3)
+    distance = structure.cast(starts, np.tile(rays, (len(lifted), 1))).distance
+    free = np.minimum(distance, parameters.reach_m / 2.0).reshape(len(lifted), len(rays))
+    share = (np.arange(parameters.places) + 0.5) / parameters.places
+    area = np.cumsum(free**2, axis=1)
+    ray = np.array([np.searchsorted(row, share * row[-1]) for row in area])
+    ray = np.minimum(ray, len(rays) - 1)
+    outwards = np.sqrt((share * _GOLDEN * parameters.places) % 1.0).astype(np.float32)
+    reach = np.take_along_axis(free, ray, axis=1) * outwards * _SHORT_OF_WALL
+    return np.asarray(lifted[:, None] + rays[ray] * reach[..., None], np.float32)
 
 
 def _headroom(structure: Structure, scanners: F32, parameters: GroupParameters) -> F32:
@@ -165,24 +181,60 @@ def _headroom(structure: Structure, scanners: F32, parameters: GroupParameters) 
     return headroom
 
 
-def _sight(structure: Structure, places: F32, pairs: I64, count: int) -> F64:
-    """Share of `count` pairs of places, one around each scan of a pair, that see each other."""
-    around = places.shape[1]
+def _own_places(structure: Structure, lifted: F32, places: F32) -> Bool:
+    """``(S, K)``: places of which no other scanner that overlooks them is nearer than their own."""
+    count, around = places.shape[:2]
+    flat = places.reshape(-1, 3)
+    scan = np.repeat(np.arange(count), around)
+    rivals = np.atleast_2d(cKDTree(lifted).query(flat, k=min(_RIVALS, count))[1].reshape(len(flat), -1))
+    distance = _distance(flat[:, None], lifted[rivals])
+    nearer = distance < _distance(flat, lifted[scan])[:, None]
+    place, rank = np.nonzero(nearer)
+    overlooked = ~structure.blocked(lifted[rivals[place, rank]], flat[place])
+    own = np.ones(len(flat), bool)
+    own[place[overlooked]] = False
+    return own.reshape(count, around)
+
+
+def _sight(structure: Structure, places: F32, own: Bool, pairs: I64, parameters: GroupParameters) -> tuple[F64, F64]:
+    """For each pair of scans: the share of place pairs that see each other, and that have one wall between them.
+
+    Only a scan's own places count, so that what it overlooks through a passage does not count as here.
+    """
+    around, count = places.shape[1], parameters.sight_pairs
     a = np.arange(count) % around
-    b = (np.arange(count) * 29 + np.arange(count) // around * 7) % around
-    share = np.zeros(len(pairs))
-    for first in range(0, len(pairs), 4096):
-        some = pairs[first : first + 4096]
-        starts = places[some[:, 0]][:, a].reshape(-1, 3)
-        ends = places[some[:, 1]][:, b].reshape(-1, 3)
-        share[first : first + 4096] = 1.0 - structure.blocked(starts, ends).reshape(len(some), count).mean(axis=1)
-    return share
+    b = (np.arange(count) * 23 + np.arange(count) // around * 7) % around
+    seen, walled = np.zeros(len(pairs)), np.zeros(len(pairs))
+    for first in range(0, len(pairs), _PAIRS_AT_ONCE):
+        one, other = pairs[first : first + _PAIRS_AT_ONCE].T
+        counts = own[one][:, a] & own[other][:, b]
+        thickness = _opaque_thickness(structure, places[one][:, a][counts], places[other][:, b][counts])
+        pair, total = np.nonzero(counts)[0], np.maximum(counts.sum(axis=1), 1)
+        thin = (thickness > 0.0) & (thickness < parameters.wall_m)
+        seen[first : first + len(one)] = np.bincount(pair, thickness == 0.0, len(one)) / total
+        walled[first : first + len(one)] = np.bincount(pair, thin, len(one)) / total
+    return seen, walled
 
 
-# --- by hand, and numbers --------------------------------------------------------------------------------------
+def _distance(a: F32, b: F32) -> F32:
+    return np.asarray(np.linalg.norm(a - b, axis=-1), np.float32)
 
 
-def _overridden(group: I64, rooms: dict[int, str], scanners: F32) -> I64:
+def _opaque_thickness(structure: Structure, starts: F32, ends: F32) -> F32:
+    """``(n,)`` metres between what `starts` see first towards `ends` and what `ends` see first towards `starts`.
+
+    Zero where they see each other.
+    """
+    length = _distance(starts, ends)
+    towards = (ends - starts) / np.maximum(length, 1e-6)[:, None]
+    forth = structure.cast(starts, towards).distance
+    back = structure.cast(ends, -towards).distance
+    blocked = forth < length
+    thickness = np.where(blocked, length - forth - np.minimum(back, length), 0.0)
+    return np.where(blocked, np.maximum(thickness, 1e-3), 0.0).astype(np.float32)
+
+
+def _overridden(group: I64, rooms: Mapping[int, str], scanners: F32) -> I64:
     """Groups with the listed scans where the table says, and the others after the nearest listed of their group."""
     if not rooms:
         return group

@@ -12,6 +12,7 @@ from enfilade.progress import Progress, Silent
 from enfilade.schema.graph import BuildingGraph
 
 from .assembly import Findings, assemble_cloud, assemble_graph
+from .grouping_table import read_grouping
 from .groups import group_scans
 from .measures import measure_rooms
 from .neighbours import find_neighbours
@@ -86,9 +87,10 @@ def ingest(
     watch.start("planes")
     planes = find_planes(surfels, parameters.planes)
     watch.start("groups")
-    scan_room = group_scans(planes, cloud.scanner_positions, cloud.scan_names, rooms_csv, parameters.groups)
+    given = read_grouping(rooms_csv, cloud.scan_names) if rooms_csv is not None else None
+    groups = group_scans(planes, cloud.scanner_positions, given, parameters.groups)
     watch.start("rooms", 1.0)
-    labels = label_rooms(surfels, planes, scan_room, parameters.rooms, progress=watch)
+    labels = label_rooms(surfels, planes, groups, parameters.rooms, progress=watch)
     watch.start("measures")
     rooms = measure_rooms(cloud, surfels, planes, labels, parameters.measures)
     storeys = find_storeys(rooms, parameters.storeys)

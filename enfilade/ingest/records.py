@@ -141,6 +141,25 @@ class Planes:
 
 
 @dataclass(frozen=True, slots=True)
+class Groups:
+    """Which scans share a room, before any point is looked at (§4, first phase).
+
+    Attributes
+    ----------
+    scan_room
+        ``(S,) int32`` room of each scan.
+    viewpoints
+        ``(S, 3) float32``, metres: the scanners lifted to just below the ceiling, where lintels close the doors.
+    votes
+        ``(S,) bool``, whether what the scan sees tells its room; one that stood in a wide passage sees two.
+    """
+
+    scan_room: I32
+    viewpoints: F32
+    votes: Bool
+
+
+@dataclass(frozen=True, slots=True)
 class RoomLabels:
     """Which room each surfel belongs to (§4).
 

@@ -14,11 +14,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
+from scipy.spatial import cKDTree
 
 from enfilade.progress import Progress, Silent
 
 from .cells import CellGrid
-from .records import F32, F64, I32, Planes, RoomLabels, Surfels
+from .records import F32, F64, I32, Groups, Planes, RoomLabels, Surfels
 from .structure import Structure
 
 I64 = NDArray[np.int64]
@@ -39,6 +40,10 @@ class RoomParameters:
         Side of the cells that share one label distribution.
     rays
         Sample rays from each of them.
+    viewpoints
+        Nearest viewpoints that are asked whether they see a node.
+    view_m
+        How far a viewpoint sees.
     iterations
         N of Eq. 5: how many iterations are summed.
     least_surfels
@@ -47,6 +52,8 @@ class RoomParameters:
 
     node_m: float = 0.20
     rays: int = 24
+    viewpoints: int = 12
+    view_m: float = 25.0
     iterations: int = 5
     least_surfels: int = 400
 
@@ -85,20 +92,30 @@ class Nodes:
 def label_rooms(
     surfels: Surfels,
     planes: Planes,
-    scan_room: I32,
+    groups: Groups,
     parameters: RoomParameters = RoomParameters(),
     *,
     progress: Progress = _SILENT,
 ) -> RoomLabels:
-    """Give each surfel the room that the surfels in its sight agree on, starting from the rooms of their scans."""
+    """Give each surfel the room that the surfels in its sight agree on.
+
+    The paper starts from the room of the scan that measured a point. That is `RoomLabels.before`; the diffusion
+    itself starts from the rooms of all the viewpoints that see a node, which are under the ceiling and so look
+    into the next room much less than the scanners did.
+    """
+    structure = Structure(planes)
     nodes = gather_nodes(surfels, planes, parameters.node_m)
-    transition = trace_transitions(surfels, planes, nodes, parameters, progress=progress)
-    scan_room = np.unique(scan_room, return_inverse=True)[1].astype(np.int32)
+    starts, normals = _ray_starts(surfels, planes)
+    middles = nodes.members[(nodes.starts[:-1] + nodes.starts[1:]) // 2]
+    viewers = _viewers(structure, starts[middles], normals[middles], groups, parameters)
+    transition = trace_transitions(structure, starts, normals, planes, nodes, parameters, progress=progress)
+    scan_room = groups.scan_room
     while True:
         before = scan_room[surfels.scan]
-        label, agreement = _diffuse(transition, nodes, before, parameters.iterations)
+        label, agreement = _diffuse(transition, viewers, scan_room, parameters.iterations)
         after = label[nodes.of_surfel]
-        size = np.bincount(after, minlength=int(scan_room.max(initial=-1)) + 1)
+        after = np.where(after >= 0, after, before).astype(np.int32)
+        size = np.bincount(after, minlength=int(scan_room.max()) + 1)
         lost = np.flatnonzero(size < parameters.least_surfels)
         if len(lost) in (0, len(size)):
             return RoomLabels(before, after, agreement[nodes.of_surfel], scan_room, len(size))
@@ -152,7 +169,9 @@ def _cell_keys(positions: F32, plane: I32, planes: Planes, first_key: I64, colum
 
 
 def trace_transitions(
-    surfels: Surfels,
+    structure: Structure,
+    starts: F32,
+    normals: F32,
     planes: Planes,
     nodes: Nodes,
     parameters: RoomParameters,
@@ -160,9 +179,8 @@ def trace_transitions(
     progress: Progress = _SILENT,
 ) -> sparse.csr_array:
     """Trace the rays of all nodes and return T (Eq. 1), row-stochastic, one row and column a node."""
-    structure = Structure(planes)
     rows, columns = [np.arange(len(nodes), dtype=np.int32)], [np.arange(len(nodes), dtype=np.int32)]
-    for node, origins, directions in _rays(surfels, planes, nodes, parameters.rays):
+    for node, origins, directions in _rays(starts, normals, nodes, parameters.rays):
         hits = structure.cast(origins, directions)
         hit = np.flatnonzero(hits.front)
         points = origins[hit] + hits.distance[hit, None] * directions[hit]
@@ -177,12 +195,11 @@ def trace_transitions(
     return sparse.csr_array((weight, (row, column)), shape=(len(nodes), len(nodes)))
 
 
-def _rays(surfels: Surfels, planes: Planes, nodes: Nodes, count: int) -> Iterator[tuple[I32, F32, F32]]:
+def _rays(starts: F32, normals: F32, nodes: Nodes, count: int) -> Iterator[tuple[I32, F32, F32]]:
     """Yield batches of rays: their nodes, origins and unit directions, `count` for each node.
 
     A node's rays start at its surfels in turn and spread over the hemisphere of the surfel's normal.
     """
-    starts, normals = _ray_starts(surfels, planes)
     batch = max(1, _RAYS_AT_ONCE // count)
     fan = _hemisphere(count)
     for first in range(0, len(nodes), batch):
@@ -237,12 +254,32 @@ def _turned(directions: F32, normals: F32) -> F32:
 # --- diffusion -------------------------------------------------------------------------------------------------
 
 
-def _diffuse(transition: sparse.csr_array, nodes: Nodes, before: I32, iterations: int) -> tuple[I32, F32]:
+def _viewers(
+    structure: Structure, starts: F32, normals: F32, groups: Groups, parameters: RoomParameters
+) -> sparse.csr_array:
+    """``(nodes, S)``: 1 where the viewpoint of a scan that votes sees a node from its front."""
+    voting = np.flatnonzero(groups.votes)
+    viewpoints = groups.viewpoints[voting]
+    count = min(parameters.viewpoints, len(voting))
+    nearest = cKDTree(viewpoints).query(starts, k=count, distance_upper_bound=parameters.view_m)[1]
+    node, rank = np.nonzero(nearest.reshape(len(starts), count) < len(voting))
+    viewer = nearest.reshape(len(starts), count)[node, rank]
+    in_front = np.einsum("ij,ij->i", viewpoints[viewer] - starts[node], normals[node]) > 0.0
+    node, viewer = node[in_front], viewer[in_front]
+    sees = ~structure.blocked(starts[node], viewpoints[viewer])
+    ones = np.ones(int(sees.sum()), np.float32)
+    shape = (len(starts), len(groups.votes))
+    return sparse.csr_array((ones, (node[sees], voting[viewer[sees]])), shape=shape)
+
+
+def _diffuse(
+    transition: sparse.csr_array, viewers: sparse.csr_array, scan_room: I32, iterations: int
+) -> tuple[I32, F32]:
     """Label of each node by Eq. 5 and the label's share of the sum; rooms are taken a few at a time."""
-    initial = _initial_labels(nodes, before)
-    best = np.zeros(len(nodes), np.float32)
-    total = np.zeros(len(nodes), np.float32)
-    label = np.full(len(nodes), -1, np.int32)
+    initial = _initial_labels(viewers, scan_room)
+    count = transition.shape[0]
+    best, total = np.zeros(count, np.float32), np.zeros(count, np.float32)
+    label = np.full(count, -1, np.int32)
     for first in range(0, initial.shape[1], _ROOMS_AT_ONCE):
         current = initial[:, first : first + _ROOMS_AT_ONCE].toarray()
         summed = np.zeros_like(current)
@@ -250,7 +287,7 @@ def _diffuse(transition: sparse.csr_array, nodes: Nodes, before: I32, iterations
             current = transition @ current
             summed += current
         winner = np.argmax(summed, axis=1)
-        value = summed[np.arange(len(nodes)), winner]
+        value = summed[np.arange(count), winner]
         better = value > best
         label[better] = first + winner[better]
         best[better] = value[better]
@@ -258,10 +295,10 @@ def _diffuse(transition: sparse.csr_array, nodes: Nodes, before: I32, iterations
     return label, np.divide(best, total, out=np.zeros_like(best), where=total > 0.0)
 
 
-def _initial_labels(nodes: Nodes, before: I32) -> sparse.csc_array:
-    """L_0: the share of each room among the surfels of each node (Eq. 2, averaged within a cell as in Eq. 6)."""
-    known = before >= 0
-    row, column = nodes.of_surfel[known], before[known]
-    count = np.bincount(row, minlength=len(nodes))
-    weight = (1.0 / count[row]).astype(np.float32)
-    return sparse.csc_array((weight, (row, column)), shape=(len(nodes), int(before.max(initial=-1)) + 1))
+def _initial_labels(viewers: sparse.csr_array, scan_room: I32) -> sparse.csc_array:
+    """L_0 (Eq. 2): the share of each room among the viewpoints that see a node."""
+    scans = np.arange(len(scan_room))
+    rooms = sparse.csr_array((np.ones(len(scans), np.float32), (scans, scan_room)))
+    seen = np.asarray(viewers.sum(axis=1), np.float32)
+    share = np.divide(1.0, seen, out=np.zeros_like(seen), where=seen > 0.0)
+    return sparse.csc_array(sparse.diags_array(share) @ viewers @ rooms)
