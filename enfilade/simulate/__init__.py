@@ -1,10 +1,11 @@
 """A virtual terrestrial laser scanner: a building in, an E57 file with the truth beside it out."""
 
 from .demo import basin_mesh, demo_scene
+from .ifc import ifc_scene
 from .scanner import Scanner
 from .scene import Scene
 from .simulation import Parameters, simulate
 from .solids import write_obj
 from .stations import Setup
 
-__all__ = ["Parameters", "Scanner", "Scene", "Setup", "basin_mesh", "demo_scene", "simulate", "write_obj"]
+__all__ = ["Parameters", "Scanner", "Scene", "Setup", "basin_mesh", "demo_scene", "ifc_scene", "simulate", "write_obj"]

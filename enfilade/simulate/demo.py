@@ -71,7 +71,10 @@ def _ground() -> Level:
         Space(
             "Storage",
             (4.35, 6.05, 6.35, 10.2),
-            (Piece("shelf", shelf(1.0, 0.4), (4.56, 7.2), WEST), Piece("shelf", shelf(0.8, 0.4, 1.5, 4), (5.2, 9.98), NORTH)),
+            (
+                Piece("shelf", shelf(1.0, 0.4), (4.56, 7.2), WEST),
+                Piece("shelf", shelf(0.8, 0.4, 1.5, 4), (5.2, 9.98), NORTH),
+            ),
         ),
     )
     return Level("Ground floor", 0.0, 2.6, spaces, _ground_walls())

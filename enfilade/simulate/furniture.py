@@ -34,7 +34,16 @@ def basin(width: float = 0.6, depth: float = 0.48, height: float = 0.85) -> Mesh
 
 def toilet(width: float = 0.38, depth: float = 0.68) -> Mesh:
     """Return a toilet: bowl, seat and cistern."""
-    profile = [(0.28, 0.0), (0.24, 0.1), (0.34, 0.25), (0.5, 0.36), (0.5, 0.42), (0.32, 0.42), (0.12, 0.25), (0.0, 0.22)]
+    profile = [
+        (0.28, 0.0),
+        (0.24, 0.1),
+        (0.34, 0.25),
+        (0.5, 0.36),
+        (0.5, 0.42),
+        (0.32, 0.42),
+        (0.12, 0.25),
+        (0.0, 0.22),
+    ]
     bowl_depth = depth - 0.2
     bowl = lathe(profile).scaled([width, bowl_depth, 1.0]).moved([0.0, -depth / 2 + bowl_depth / 2, 0.0])
     neck = block((0.0, depth / 2 - 0.2), (0.22, 0.2), 0.0, 0.4)
@@ -46,9 +55,9 @@ def bathtub(width: float = 0.75, length: float = 1.7, height: float = 0.56) -> M
     """Return a bathtub, its long side along y."""
     rim = 0.07
     x, y = width / 2, length / 2
-    sides = [
-        block((side * (x - rim / 2), 0.0), (rim, length), 0.0, height) for side in (-1, 1)
-    ] + [block((0.0, side * (y - rim / 2)), (width - 2 * rim, rim), 0.0, height) for side in (-1, 1)]
+    sides = [block((side * (x - rim / 2), 0.0), (rim, length), 0.0, height) for side in (-1, 1)] + [
+        block((0.0, side * (y - rim / 2)), (width - 2 * rim, rim), 0.0, height) for side in (-1, 1)
+    ]
     return merge([*sides, block((0.0, 0.0), (width - 2 * rim, length - 2 * rim), 0.0, 0.14)])
 
 
@@ -61,7 +70,9 @@ def chair(width: float = 0.45, depth: float = 0.46, seat: float = 0.46, height: 
     """Return a chair with four legs, a seat and a slatted back."""
     posts = [block((side * (width / 2 - 0.02), depth / 2 - 0.02), (0.04, 0.04), seat, height) for side in (-1, 1)]
     slats = [block((0.0, depth / 2 - 0.02), (width - 0.08, 0.02), z, z + 0.09) for z in (seat + 0.16, height - 0.1)]
-    return merge([block((0.0, 0.0), (width, depth), seat - 0.04, seat), *_legs(width, depth, seat - 0.04), *posts, *slats])
+    return merge(
+        [block((0.0, 0.0), (width, depth), seat - 0.04, seat), *_legs(width, depth, seat - 0.04), *posts, *slats]
+    )
 
 
 def bed(width: float = 0.95, length: float = 2.05, height: float = 0.5) -> Mesh:

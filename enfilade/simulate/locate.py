@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .scanner import cast, caster
+from .casting import Caster
 from .scene import Opening, Room, Scene
 from .solids import F64, I32, merge, unit_normals
 
@@ -29,20 +29,18 @@ class Locator:
         counts = [len(room.boundary.triangles) for room in rooms]
         self._rooms = np.repeat(np.array([room.number for room in rooms], dtype=np.int32), counts)
         self._normals = unit_normals(mesh)
-        self._caster: Any = caster(mesh) if rooms else None
+        self._caster = Caster(mesh)
 
     def rooms_of(self, points: NDArray[Any]) -> I32:
         """``(K,) int32`` room of each of ``(K, 3)`` points, -1 where there is none."""
         rooms = np.full(len(points), -1, dtype=np.int32)
-        if self._caster is None:
-            return rooms
-        for look in _LOOKS:
+        for look in _LOOKS if len(self._rooms) else ():
             left = np.flatnonzero(rooms < 0)
             rooms[left] = self._look(np.asarray(points)[left], np.array(look))
         return rooms
 
     def _look(self, points: NDArray[Any], direction: F64) -> I32:
-        triangle = cast(self._caster, points, np.broadcast_to(direction, points.shape))[1]
+        triangle = self._caster.cast(points, np.broadcast_to(direction, points.shape))[1]
         inside = (triangle >= 0) & (self._normals[triangle] @ direction > 0)
         return np.where(inside, self._rooms[triangle], -1).astype(np.int32)
 

@@ -132,9 +132,7 @@ def build(plan: Plan) -> scene.Scene:
     openings += [_add_flight(parts, flight, plan, numbers) for flight in plan.flights]
     mesh, furnishing, surface, glass = parts.arrays()
     storeys = tuple(scene.Storey(i, level.floor, level.name) for i, level in enumerate(plan.levels))
-    return scene.Scene(
-        plan.name, mesh, furnishing, surface, glass, storeys, rooms, tuple(openings), tuple(furnishings)
-    )
+    return scene.Scene(plan.name, mesh, furnishing, surface, glass, storeys, rooms, tuple(openings), tuple(furnishings))
 
 
 def _rooms(plan: Plan) -> tuple[scene.Room, ...]:
@@ -144,9 +142,7 @@ def _rooms(plan: Plan) -> tuple[scene.Room, ...]:
             x0, x1, y0, y1 = space.rectangle
             outline = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
             boundary = box([x0, y0, level.floor], [x1, y1, level.ceiling])
-            rooms.append(
-                scene.Room(len(rooms), storey, space.name, (outline,), boundary, level.floor, level.ceiling)
-            )
+            rooms.append(scene.Room(len(rooms), storey, space.name, (outline,), boundary, level.floor, level.ceiling))
     return tuple(rooms)
 
 
@@ -163,11 +159,14 @@ def _add_slabs(parts: scene.SceneParts, plan: Plan) -> None:
         parts.add_structure(slab(ground, tops[0] - 0.4, tops[0] - 0.2, [plan.footprint]))
 
 
-def _add_wall(
-    parts: scene.SceneParts, level: Level, line: Wall, numbers: dict[str, int]
-) -> list[scene.Opening]:
+def _add_wall(parts: scene.SceneParts, level: Level, line: Wall, numbers: dict[str, int]) -> list[scene.Opening]:
     gaps = [
-        (hole.along - hole.width / 2, hole.along + hole.width / 2, level.floor + hole.sill, level.floor + hole.sill + hole.height)
+        (
+            hole.along - hole.width / 2,
+            hole.along + hole.width / 2,
+            level.floor + hole.sill,
+            level.floor + hole.sill + hole.height,
+        )
         for hole in line.holes
     ]
     parts.add_structure(wall(line.start, line.end, line.thickness, (level.floor, level.ceiling), gaps))
@@ -242,9 +241,7 @@ def _add_pieces(
     return [scene.Furnishing(first + k, numbers[space.name], p.name) for k, p in enumerate(space.pieces)]
 
 
-def _add_flight(
-    parts: scene.SceneParts, flight: Flight, plan: Plan, numbers: dict[str, int]
-) -> scene.Opening:
+def _add_flight(parts: scene.SceneParts, flight: Flight, plan: Plan, numbers: dict[str, int]) -> scene.Opening:
     parts.add_structure(_steps(flight))
     for start, end in flight.balustrades:
         parts.add_structure(wall(start, end, BALUSTRADE_M[0], (flight.top, flight.top + BALUSTRADE_M[1])))
@@ -274,13 +271,6 @@ def _steps(flight: Flight, waist: float = 0.16) -> Mesh:
     treads = flight.bottom + rise * np.arange(1, flight.step_count + 1)
     soffit = np.maximum(flight.bottom + rise * np.arange(flight.step_count + 1) - waist, flight.bottom)
     return merge(
-        hexahedron(
-            [
-                [xs[k + i], y, z]
-                for i in (0, 1)
-                for y in (y0, y1)
-                for z in (soffit[k + i], treads[k])
-            ]
-        )
+        hexahedron([[xs[k + i], y, z] for i in (0, 1) for y in (y0, y1) for z in (soffit[k + i], treads[k])])
         for k in range(flight.step_count)
     )

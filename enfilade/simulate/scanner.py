@@ -8,12 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from enfilade.native import open3d
-
+from .casting import F32, Caster
 from .scene import Scene
-from .solids import F64, Mesh, unit_normals
+from .solids import F64, unit_normals
 
-F32 = NDArray[np.float32]
 Generator = np.random.Generator
 
 
@@ -105,7 +103,7 @@ class Scan:
     triangle
         ``(K,) int32`` the scene's triangle that was hit.
     hit
-        ``(K, 3) float32`` the true point on that triangle.
+        ``(K, 3) float64`` the true point on that triangle, metres, in the scene's coordinates.
     normal
         ``(K, 3) float32`` its unit normal, turned towards the scanner.
     mixed
@@ -117,7 +115,7 @@ class Scan:
     local: F32
     intensity: F32
     triangle: NDArray[np.int32]
-    hit: F32
+    hit: F64
     normal: F32
     mixed: NDArray[np.bool_]
 
@@ -129,8 +127,8 @@ class Tracer:
         self._scanner = scanner
         self._solid_ids = np.flatnonzero(~scene.glass)
         self._glass_ids = np.flatnonzero(scene.glass)
-        self._solids = caster(scene.submesh(~scene.glass))
-        self._panes = caster(scene.submesh(scene.glass)) if scene.glass.any() else None
+        self._solids = Caster(scene.submesh(~scene.glass))
+        self._panes = Caster(scene.submesh(scene.glass))
         self._normals = unit_normals(scene.mesh).astype(np.float32)
         self._directions = ray_grid(scanner)
 
@@ -157,20 +155,18 @@ class Tracer:
             local.astype(np.float32),
             _intensity(triangle[keep], np.abs(cosine[keep])),
             triangle[keep],
-            (station + directions[keep] * ranges[keep, None].astype(np.float64)).astype(np.float32),
+            station + directions[keep] * ranges[keep, None],
             normal[keep],
             mixed.reshape(-1)[keep],
         )
 
-    def _first_hits(
-        self, station: F64, directions: F32, generator: Generator
-    ) -> tuple[F32, NDArray[np.int32]]:
+    def _first_hits(self, station: F64, directions: F32, generator: Generator) -> tuple[F32, NDArray[np.int32]]:
         """Range and triangle of what each ray meets; infinity and -1 where it meets nothing."""
-        ranges, triangle = cast(self._solids, station, directions)
+        ranges, triangle = self._solids.cast(station, directions)
         triangle = np.where(triangle >= 0, self._solid_ids[triangle], -1).astype(np.int32)
-        if self._panes is None:
+        if not len(self._glass_ids):
             return ranges, triangle
-        pane_range, pane = cast(self._panes, station, directions)
+        pane_range, pane = self._panes.cast(station, directions)
         through = pane_range < ranges
         chance = generator.random(len(ranges), dtype=np.float32)
         back = through & (chance < self._scanner.glass_return)
@@ -181,7 +177,9 @@ class Tracer:
     def _measure(self, ranges: F32, generator: Generator) -> tuple[F32, NDArray[np.bool_]]:
         """``(columns, rows)`` ranges with noise and edge-mixed pixels, and which those are."""
         chance = generator.random(ranges.shape, dtype=np.float32)
-        other = np.where(chance < self._scanner.mixed_share / 2, np.roll(ranges, -1, axis=0), np.roll(ranges, -1, axis=1))
+        other = np.where(
+            chance < self._scanner.mixed_share / 2, np.roll(ranges, -1, axis=0), np.roll(ranges, -1, axis=1)
+        )
         with np.errstate(invalid="ignore"):
             jump = np.abs(other - ranges) > self._scanner.mixed_jump_m
         mixed = jump & np.isfinite(other) & np.isfinite(ranges) & (chance < self._scanner.mixed_share)
@@ -216,28 +214,6 @@ def ray_grid(scanner: Scanner) -> F32:
         np.broadcast_arrays(np.cos(azimuth) * level, np.sin(azimuth) * level, np.sin(elevation)), axis=-1
     )
     return directions.astype(np.float32)
-
-
-def caster(mesh: Mesh) -> Any:
-    """Return an Open3D ray casting scene of one mesh."""
-    core = open3d().core
-    scene = open3d().t.geometry.RaycastingScene(nthreads=0)
-    scene.add_triangles(
-        core.Tensor(np.ascontiguousarray(mesh.vertices, dtype=np.float32)),
-        core.Tensor(np.ascontiguousarray(mesh.triangles, dtype=np.uint32)),
-    )
-    return scene
-
-
-def cast(scene: Any, origins: NDArray[Any], directions: NDArray[Any]) -> tuple[F32, NDArray[np.int64]]:
-    """Range (infinity for none) and triangle (-1 for none) of the first hit of each ray."""
-    rays = np.empty((len(directions), 6), dtype=np.float32)
-    rays[:, :3] = origins
-    rays[:, 3:] = directions
-    answer = scene.cast_rays(open3d().core.Tensor(rays))
-    triangle = answer["primitive_ids"].numpy().astype(np.int64)
-    ranges: F32 = answer["t_hit"].numpy()
-    return ranges, np.where(np.isfinite(ranges), triangle, -1)
 
 
 def rotation_about_z(angle_deg: float) -> F64:

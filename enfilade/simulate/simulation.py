@@ -88,9 +88,7 @@ def _stations(scene: Scene, parameters: Parameters) -> F64:
     return stations
 
 
-def _write_truth(
-    scene: Scene, truth: TruthCloud, scan_rooms: dict[str, int], out: Path, *, grouping: bool
-) -> None:
+def _write_truth(scene: Scene, truth: TruthCloud, scan_rooms: dict[str, int], out: Path, *, grouping: bool) -> None:
     folder = out.with_suffix(".truth")
     folder.mkdir(exist_ok=True)
     cloud = truth.cloud()

@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from enfilade.native import open3d
-
-from .scanner import cast, caster
+from .casting import Caster
 from .scene import Room, Scene
 from .solids import F64
 
 _CANDIDATE_STEP_M = 0.25
 _SAMPLE_STEP_M = 0.5
 _SAMPLE_HEIGHT_M = 0.4
+_FLOOR_TOLERANCE_M = 0.05
+_FREEDOM_WEIGHT = 0.3
+_FAR_ENOUGH_M = 4.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,38 +48,33 @@ class Setup:
 
 def find_stations(scene: Scene, setup: Setup) -> F64:
     """``(S, 3)`` scanner positions, room by room; rooms without a free place get none."""
-    solids = caster(scene.mesh)
-    structure = caster(scene.submesh((scene.furnishing < 0) & ~scene.glass))
+    solids = Caster(scene.mesh)
+    structure = Caster(scene.submesh((scene.furnishing < 0) & ~scene.glass))
     found = [_in_room(scene, room, setup, solids, structure) for room in scene.rooms]
     return np.concatenate([np.empty((0, 3)), *found])
 
 
-def _in_room(scene: Scene, room: Room, setup: Setup, solids: Any, structure: Any) -> F64:
-    candidates = _free_places(room, setup, solids)
+def _in_room(scene: Scene, room: Room, setup: Setup, solids: Caster, structure: Caster) -> F64:
+    candidates, clearance = _free_places(room, setup, solids)
     if not len(candidates):
         return candidates
     samples = _grid(room, _SAMPLE_STEP_M, room.floor_elevation + _SAMPLE_HEIGHT_M)
     seen = _visibility(structure, candidates, samples)
-    wanted = _near_stairs(scene, room, candidates)
-    least = max(1, round(room.area / setup.area_a_scan_m2))
-    return candidates[_cover(candidates, seen, wanted, least, setup)]
+    chosen = _near_stairs(scene, room, candidates)
+    _cover(chosen, seen, clearance, setup)
+    _spread(chosen, candidates, clearance, round(room.area / setup.area_a_scan_m2))
+    return candidates[chosen]
 
 
-def _free_places(room: Room, setup: Setup, solids: Any) -> F64:
-    """Places on a grid in the room from which nothing is too near, and under which is the floor."""
+def _free_places(room: Room, setup: Setup, solids: Caster) -> tuple[F64, F64]:
+    """Places on a grid in the room from which nothing is too near, under which is the floor, and their clearance."""
     places = _grid(room, _CANDIDATE_STEP_M, room.floor_elevation + setup.height_m)
-    down = np.broadcast_to([0.0, 0.0, -1.0], places.shape)
-    drop = cast(solids, places, down)[0]
-    near = _distance(solids, places)
-    near_tripod = _distance(solids, places - [0.0, 0.0, setup.height_m / 2])
-    on_floor = np.abs(drop - setup.height_m) < 0.05
-    return places[on_floor & (near >= setup.clearance_m) & (near_tripod >= setup.tripod_clearance_m)]
-
-
-def _distance(scene: Any, points: F64) -> NDArray[np.float32]:
-    query = open3d().core.Tensor(points.astype(np.float32))
-    distance: NDArray[np.float32] = scene.compute_distance(query).numpy()
-    return distance
+    drop = solids.cast(places, np.broadcast_to([0.0, 0.0, -1.0], places.shape))[0]
+    near = solids.distance(places).astype(np.float64)
+    near_tripod = solids.distance(places - [0.0, 0.0, setup.height_m / 2])
+    free = (np.abs(drop - setup.height_m) < _FLOOR_TOLERANCE_M) & (near >= setup.clearance_m)
+    free &= near_tripod >= setup.tripod_clearance_m
+    return places[free], near[free]
 
 
 def _grid(room: Room, step: float, z: float) -> F64:
@@ -97,11 +92,10 @@ def _symmetric(length: float, step: float) -> F64:
     return step * np.arange(-half, half + 1, dtype=np.float64)
 
 
-def _visibility(structure: Any, candidates: F64, samples: F64) -> NDArray[np.bool_]:
+def _visibility(structure: Caster, candidates: F64, samples: F64) -> NDArray[np.bool_]:
     """``(C, F)`` which floor sample each candidate sees past structure."""
-    towards = samples[None] - candidates[:, None]
-    ranges, _ = cast(structure, np.repeat(candidates, len(samples), axis=0), towards.reshape(-1, 3))
-    return ranges.reshape(len(candidates), len(samples)) >= 1.0
+    starts = np.repeat(candidates, len(samples), axis=0)
+    return ~structure.blocked(starts, np.tile(samples, (len(candidates), 1))).reshape(len(candidates), -1)
 
 
 def _near_stairs(scene: Scene, room: Room, candidates: F64) -> list[int]:
@@ -113,27 +107,25 @@ def _near_stairs(scene: Scene, room: Room, candidates: F64) -> list[int]:
         for side in (0, 1)
         if opening.rooms[side] == room.number
     ]
-    return [int(np.argmin(np.linalg.norm(candidates[:, :2] - end[:2], axis=1))) for end in ends]
+    nearest = [int(np.argmin(np.linalg.norm(candidates[:, :2] - end[:2], axis=1))) for end in ends]
+    return list(dict.fromkeys(nearest))
 
 
-def _cover(candidates: F64, seen: NDArray[np.bool_], wanted: list[int], least: int, setup: Setup) -> list[int]:
-    """Greedy cover: always the candidate that shows most new floor; once all is seen, the farthest from the others."""
-    chosen = list(dict.fromkeys(wanted))
-    covered = seen[chosen].any(axis=0)
+def _cover(chosen: list[int], seen: NDArray[np.bool_], clearance: F64, setup: Setup) -> None:
+    """Add what shows most new floor, the freer place of two alike, until enough is seen."""
     total = max(1, seen.shape[1])
+    covered = seen[chosen].any(axis=0)
     while len(chosen) < len(seen):
-        gain = (seen & ~covered).sum(axis=1)
-        best = int(np.argmax(gain + seen.mean(axis=1)))
-        enough = covered.sum() >= setup.seen_share * total or gain[best] < setup.gain_share * total
-        if chosen and enough and len(chosen) >= least:
-            break
-        if chosen and enough:
-            best = _farthest(candidates, chosen)
+        gain = (seen & ~covered).sum(axis=1) / total
+        if chosen and (covered.sum() >= setup.seen_share * total or gain.max() < setup.gain_share):
+            return
+        best = int(np.argmax(gain + _FREEDOM_WEIGHT * clearance))
         chosen.append(best)
         covered |= seen[best]
-    return chosen
 
 
-def _farthest(candidates: F64, chosen: list[int]) -> int:
-    distance = np.linalg.norm(candidates[:, None] - candidates[chosen][None], axis=2)
-    return int(np.argmax(distance.min(axis=1)))
+def _spread(chosen: list[int], candidates: F64, clearance: F64, least: int) -> None:
+    """Add free places far from the chosen ones until there are `least`."""
+    while len(chosen) < min(least, len(candidates)):
+        distance = np.linalg.norm(candidates[:, None] - candidates[chosen][None], axis=2).min(axis=1)
+        chosen.append(int(np.argmax(np.minimum(distance, _FAR_ENOUGH_M) + clearance)))

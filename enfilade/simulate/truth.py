@@ -33,7 +33,7 @@ class TruthCloud:
         """Label the points of a scan and keep the thinned ones."""
         world = scan.pose.apply(scan.local)
         kept = _first_in_voxel(world)
-        room = rooms_of_surfaces(self.scene, self.locator, scan.hit[kept].astype(np.float64), scan.normal[kept])
+        room = rooms_of_surfaces(self.scene, self.locator, scan.hit[kept], scan.normal[kept])
         triangle, mixed = scan.triangle[kept], scan.mixed[kept]
         furnishing = np.where(mixed, -1, self.scene.furnishing[triangle])
         surface = np.where(mixed, -1, self.scene.surface[triangle])

@@ -1,0 +1,269 @@
+"""From the spaces of a building model to rooms that walls bound: the units of truth.
+
+Spaces without a wall between them are one room; a space over two storeys is cut at the upper floor; spaces that hold
+others, lie in the open or cannot be entered are none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from shapely import Polygon
+
+from .casting import Caster
+from .solids import F64, Mesh, merge, unit_normals
+
+_LEVEL_TOLERANCE_M = 0.5
+_SPANS_MORE_M = 1.5
+_HELD_SHARE = 0.6
+_ROOF_WITHIN_M = 15.0
+_WALL_AT_MOST_M = 0.6
+COLUMN_STEP_M = 0.1
+_ROW_STEP_M = 0.15
+_CLEAR_SHARE = 0.5
+_WHOLE = 0.9
+_SIDE_AT_LEAST_M = 0.8
+_STRAIGHT = 0.9
+DOORWAY_HEIGHT_M = 1.8
+DOORWAY_WIDTH_M = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Space:
+    """A space of the model: its name, closed boundary mesh, plan polygon, lowest and highest level."""
+
+    name: str
+    boundary: Mesh
+    polygon: Polygon
+    bottom: float
+    top: float
+
+
+@dataclass(frozen=True, slots=True)
+class Border:
+    """What stands between two spaces (by place in a list) along their common boundary.
+
+    Attributes
+    ----------
+    length
+        Of the common boundary, metres.
+    clear
+        ``(C,)`` height above the floor up to which each column, `COLUMN_STEP_M` wide, can be passed.
+    open_top
+        ``(C,)`` whether it can be passed up to the ceiling.
+    middle
+        ``(C, 2)`` the middle of the wall there, in plan.
+    across
+        ``(C, 2)`` unit vectors from the first space to the second.
+    gap
+        ``(C,)`` distance between the two, metres.
+    """
+
+    first: int
+    second: int
+    clear: F64
+    open_top: NDArray[np.bool_]
+    middle: F64
+    across: F64
+    gap: F64
+
+    @property
+    def wall_less(self) -> bool:
+        """Whether no wall or lintel parts the two.
+
+        So it is where most of the boundary, or a whole side of it, is open up to the ceiling.
+        """
+        whole_side = any(
+            len(side) * COLUMN_STEP_M >= _SIDE_AT_LEAST_M and self.open_top[side].mean() > _WHOLE
+            for side in self.sides()
+        )
+        return whole_side or bool(self.open_top.mean() > _CLEAR_SHARE)
+
+    def sides(self) -> list[NDArray[np.intp]]:
+        """Columns of each straight stretch."""
+        return self.stretches(np.arange(len(self.clear)))
+
+    def stretches(self, columns: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+        """Split columns where they are no neighbours on one straight line."""
+        steps = np.linalg.norm(np.diff(self.middle[columns], axis=0), axis=1)
+        turns = np.einsum("ij,ij->i", self.across[columns[1:]], self.across[columns[:-1]])
+        return np.split(columns, np.flatnonzero((steps > 1.5 * COLUMN_STEP_M) | (turns < _STRAIGHT)) + 1)
+
+
+def space_of(name: str, mesh: Mesh) -> Space | None:
+    """Make a space from its body; None for a body without a plan."""
+    polygon = footprint(mesh)
+    if polygon.is_empty or polygon.area < 0.2:
+        return None
+    low, high = mesh.bounds[:, 2]
+    return Space(name, mesh, polygon, float(low), float(high))
+
+
+def footprint(mesh: Mesh) -> Polygon:
+    """Return the largest polygon of a mesh's projection on the plan, simplified to 5 mm."""
+    level = np.abs(unit_normals(mesh)[:, 2]) > 0.2
+    corners = mesh.vertices[mesh.triangles[level]][:, :, :2]
+    triangles = shapely.polygons(corners)
+    return largest_polygon(
+        shapely.union_all(shapely.buffer(triangles, 1e-3, join_style="mitre")).buffer(-1e-3, join_style="mitre")
+    )
+
+
+def sound_spaces(spaces: Sequence[Space], levels: Sequence[float], walls: Caster) -> list[Space]:
+    """Leave out spaces that hold others or have no roof, cut those over several storeys at the upper floors."""
+    sound = [s for s in spaces if not _holds_others(s, spaces) and _covered(s, walls)]
+    return [piece for space in sound for piece in _cut(space, levels)]
+
+
+def _cut(space: Space, levels: Sequence[float]) -> list[Space]:
+    cuts = [z for z in levels if space.bottom + _SPANS_MORE_M < z < space.top - _SPANS_MORE_M]
+    if not cuts:
+        return [space]
+    heights = [space.bottom, *cuts, space.top]
+    return [
+        Space(space.name, extrude(space.polygon, low, high), space.polygon, low, high)
+        for low, high in pairwise(heights)
+    ]
+
+
+def extrude(polygon: Polygon, bottom: float, top: float) -> Mesh:
+    """Return the closed prism over a polygon, holes included."""
+    cells = shapely.get_parts(shapely.constrained_delaunay_triangles(polygon))
+    caps = [_cap(cell, z, up) for cell in cells for z, up in ((bottom, False), (top, True))]
+    outer = shapely.orient_polygons(polygon)
+    rings = [np.array(ring.coords)[:, :2] for ring in (outer.exterior, *outer.interiors)]
+    return merge([*caps, *(_sides(ring, bottom, top) for ring in rings)])
+
+
+def _cap(triangle: Polygon, z: float, up: bool) -> Mesh:
+    corners = np.array(shapely.orient_polygons(triangle).exterior.coords)[:3, :2]
+    order = [0, 1, 2] if up else [0, 2, 1]
+    return Mesh(np.column_stack([corners, np.full(3, z)]), np.array([order], dtype=np.int32))
+
+
+def _sides(ring: F64, bottom: float, top: float) -> Mesh:
+    count = len(ring) - 1
+    low, high = (np.column_stack([ring[:-1], np.full(count, z)]) for z in (bottom, top))
+    here = np.arange(count)
+    there = np.roll(here, -1)
+    triangles = np.concatenate(
+        [np.column_stack([here, there, there + count]), np.column_stack([here, there + count, here + count])]
+    )
+    return Mesh(np.concatenate([low, high]), triangles.astype(np.int32))
+
+
+def _holds_others(space: Space, spaces: Sequence[Space]) -> bool:
+    """Whether other spaces fill most of its volume."""
+    held = 0.0
+    for other in spaces:
+        common = min(space.top, other.top) - max(space.bottom, other.bottom)
+        if other is not space and common > 0 and other.polygon.area < space.polygon.area:
+            held += common * space.polygon.intersection(other.polygon).area
+    return held > _HELD_SHARE * space.polygon.area * (space.top - space.bottom)
+
+
+def _covered(space: Space, walls: Caster) -> bool:
+    """Whether it has a floor below and, maybe some storeys up, a roof above."""
+    points = plan_samples(space.polygon, (space.bottom + space.top) / 2)
+    above, below = (walls.cast(points, np.tile([0.0, 0.0, z], (len(points), 1)))[0] for z in (1.0, -1.0))
+    reach = (space.top - space.bottom) / 2 + 1.0
+    return bool(np.mean(above < _ROOF_WITHIN_M) > 0.5 and np.mean(below < reach) > 0.5)
+
+
+def plan_samples(polygon: Polygon, z: float, step: float = 0.4) -> F64:
+    """``(K, 3)`` points of a grid in a polygon, at least one."""
+    x0, y0, x1, y1 = polygon.bounds
+    plan = np.stack(np.meshgrid(np.arange(x0 + step / 2, x1, step), np.arange(y0 + step / 2, y1, step)), -1).reshape(
+        -1, 2
+    )
+    plan = plan[shapely.contains_xy(polygon, plan)]
+    if not len(plan):
+        plan = np.array(polygon.representative_point().coords)
+    return np.column_stack([plan, np.full(len(plan), z)])
+
+
+def borders_of(spaces: Sequence[Space], fabric: Caster) -> list[Border]:
+    """Look at what stands between every two spaces of a level that lie side by side."""
+    tree = shapely.STRtree([space.polygon for space in spaces])
+    near = tree.query([space.polygon for space in spaces], predicate="dwithin", distance=_WALL_AT_MOST_M)
+    pairs = [
+        (int(a), int(b)) for a, b in near.T if a < b and abs(spaces[a].bottom - spaces[b].bottom) < _LEVEL_TOLERANCE_M
+    ]
+    found = (_border(spaces, a, b, fabric) for a, b in sorted(pairs))
+    return [border for border in found if border is not None]
+
+
+def _border(spaces: Sequence[Space], a: int, b: int, fabric: Caster) -> Border | None:
+    """Columns of rays from the boundary of one space straight across to the other."""
+    start, across = _boundary_columns(spaces[a].polygon)
+    gap = _distance_along(start, across, spaces[b].polygon)
+    beside = np.isfinite(gap)
+    if not beside.any():
+        return None
+    start, across, gap = start[beside], across[beside], gap[beside]
+    bottom = max(spaces[a].bottom, spaces[b].bottom)
+    top = min(spaces[a].top, spaces[b].top)
+    heights = np.arange(bottom + 0.1, top - 0.05, _ROW_STEP_M)
+    blocked = _blocked_columns(start, across, gap, heights, fabric)
+    first = np.where(blocked.any(axis=1), blocked.argmax(axis=1), len(heights))
+    clear = np.where(first > 0, 0.1 + _ROW_STEP_M * first, 0.0)
+    return Border(a, b, clear, first == len(heights), start + across * gap[:, None] / 2, across, gap)
+
+
+def _boundary_columns(polygon: Polygon) -> tuple[F64, F64]:
+    """Points along a polygon's boundary and the unit vectors out of it, ``(C, 2)`` each."""
+    points, outwards = [], []
+    oriented = shapely.orient_polygons(polygon)
+    for ring in (oriented.exterior, *oriented.interiors):
+        corners = np.array(ring.coords)[:, :2]
+        for start, end in pairwise(corners):
+            length = float(np.linalg.norm(end - start))
+            count = int(length / COLUMN_STEP_M)
+            if count:
+                along = (end - start) / length
+                offsets = (np.arange(count) + 0.5) * length / count
+                points.append(start + offsets[:, None] * along)
+                outwards.append(np.tile([along[1], -along[0]], (count, 1)))
+    if not points:
+        return np.empty((0, 2)), np.empty((0, 2))
+    return np.concatenate(points), np.concatenate(outwards)
+
+
+def _distance_along(start: F64, across: F64, polygon: Polygon) -> F64:
+    """Distance from each start to where its ray enters a polygon within a wall's thickness; infinity if it does not."""
+    lines = shapely.linestrings(np.stack([start - 0.01 * across, start + _WALL_AT_MOST_M * across], axis=1))
+    common = shapely.intersection(lines, polygon)
+    reached = shapely.length(common) > 0.05
+    distance = shapely.distance(shapely.points(start), common)
+    return np.where(reached, distance, np.inf)
+
+
+def _blocked_columns(start: F64, across: F64, gap: F64, heights: F64, fabric: Caster) -> NDArray[np.bool_]:
+    """``(C, heights)`` whether something stands in the way, from 8 cm before to 8 cm behind."""
+    ends = [start - 0.08 * across, start + (gap + 0.08)[:, None] * across]
+    first, second = (
+        np.concatenate([np.repeat(plan, len(heights), axis=0), np.tile(heights, len(plan))[:, None]], axis=1)
+        for plan in ends
+    )
+    return fabric.blocked(first, second).reshape(len(start), len(heights))
+
+
+def unite(spaces: Sequence[Space], borders: Sequence[Border]) -> NDArray[np.int32]:
+    """``(spaces,)`` number of the unit of each space: spaces without a wall between them are one."""
+    joined = [(b.first, b.second) for b in borders if b.wall_less]
+    rows, columns = np.array(joined, dtype=np.int64).reshape(-1, 2).T
+    links = coo_array((np.ones(len(rows)), (rows, columns)), shape=(len(spaces), len(spaces)))
+    return connected_components(links, directed=False)[1].astype(np.int32)
+
+
+def largest_polygon(shape: shapely.Geometry) -> Polygon:
+    """Return the largest part that is a polygon, simplified to 5 mm; an empty one where there is none."""
+    parts = [part for part in shapely.get_parts(shapely.simplify(shape, 0.005)) if isinstance(part, Polygon)]
+    return max(parts, key=lambda part: part.area, default=Polygon())

@@ -1,0 +1,108 @@
+"""Rooms from spaces: those without a wall between them together, measured where the model's surfaces are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import Polygon
+
+from .casting import Caster
+from .scene import Room, Storey
+from .solids import F64, Mesh, merge
+from .spaces import Border, Space, borders_of, largest_polygon, plan_samples, sound_spaces, space_of, unite
+
+_LOOK_HEIGHT_M = 0.8
+_LEVEL_TOLERANCE_M = 0.6
+
+
+@dataclass(frozen=True, slots=True)
+class Units:
+    """Rooms, their storeys, and the spaces they are made of.
+
+    `unit` is ``(spaces,) int32``, the room of each space; `borders` are between spaces.
+    """
+
+    rooms: tuple[Room, ...]
+    storeys: tuple[Storey, ...]
+    spaces: tuple[Space, ...]
+    borders: tuple[Border, ...]
+    unit: NDArray[np.int32]
+
+
+def units_of(bodies: Sequence[tuple[str, Mesh]], levels: Sequence[tuple[float, str]], walls: Caster) -> Units:
+    """Make rooms of spaces.
+
+    Parameters
+    ----------
+    bodies
+        Name and closed mesh of each space.
+    levels
+        Elevation and name of each storey of the model, from the lowest.
+    walls
+        Everything that parts rooms: walls, slabs, window panes; no door leaves, stairs, furniture.
+    """
+    found = [space for name, mesh in bodies if (space := space_of(name, mesh)) is not None]
+    spaces = sound_spaces(found, [z for z, _ in levels], walls)
+    borders = borders_of(spaces, walls)
+    unit = unite(spaces, borders)
+    members = [
+        [s for s, u in zip(spaces, unit, strict=True) if u == number] for number in range(unit.max(initial=-1) + 1)
+    ]
+    floors = [_floor(group, walls) for group in members]
+    storeys, storey = _storeys(floors, levels)
+    gap = max((float(b.gap.max()) for b in borders if b.wall_less), default=0.0)
+    rooms = tuple(
+        _room(number, int(storey[number]), group, floors[number], gap, walls) for number, group in enumerate(members)
+    )
+    return Units(rooms, storeys, tuple(spaces), tuple(borders), unit)
+
+
+def _room(number: int, storey: int, group: Sequence[Space], floor: float, gap: float, walls: Caster) -> Room:
+    polygon = _united([space.polygon for space in group], gap)
+    rings = (polygon.exterior, *polygon.interiors)
+    return Room(
+        number,
+        storey,
+        " + ".join(dict.fromkeys(space.name for space in group)),
+        tuple(np.array(ring.coords)[:-1, :2] for ring in rings),
+        merge(space.boundary for space in group),
+        floor,
+        _level(group, walls, 1.0, max(space.top for space in group)),
+    )
+
+
+def _united(polygons: Sequence[Polygon], gap: float) -> Polygon:
+    if len(polygons) == 1:
+        return polygons[0]
+    reach = gap / 2 + 0.02
+    wide = shapely.union_all(shapely.buffer(np.array(polygons), reach, join_style="mitre"))
+    return largest_polygon(shapely.buffer(wide, -reach, join_style="mitre"))
+
+
+def _floor(group: Sequence[Space], walls: Caster) -> float:
+    return _level(group, walls, -1.0, min(space.bottom for space in group))
+
+
+def _level(group: Sequence[Space], walls: Caster, direction: float, otherwise: float) -> float:
+    """Median height of what lies above (1) or below (-1) the spaces; `otherwise` where nothing does."""
+    looks = np.concatenate([plan_samples(space.polygon, space.bottom + _LOOK_HEIGHT_M) for space in group])
+    ranges, _ = walls.cast(looks, np.tile([0.0, 0.0, direction], (len(looks), 1)))
+    hit = np.isfinite(ranges) & (ranges < 20.0)
+    heights: F64 = looks[hit, 2] + direction * ranges[hit]
+    return float(np.median(heights)) if hit.any() else otherwise
+
+
+def _storeys(
+    floors: Sequence[float], levels: Sequence[tuple[float, str]]
+) -> tuple[tuple[Storey, ...], NDArray[np.int64]]:
+    """Storeys that have rooms, numbered from the lowest, their level that of most rooms; and the storey of each room."""
+    elevations = np.array([z for z, _ in levels] or [0.0])
+    place = np.searchsorted(elevations, np.array(floors) + _LEVEL_TOLERANCE_M, side="right") - 1
+    used, storey = np.unique(np.maximum(place, 0), return_inverse=True)
+    names = [name for _, name in levels] or [""]
+    heights = [float(np.median([z for z, s in zip(floors, storey, strict=True) if s == k])) for k in range(len(used))]
+    return tuple(Storey(k, heights[k], names[u] or f"Storey {k}") for k, u in enumerate(used)), storey
