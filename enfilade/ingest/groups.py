@@ -35,7 +35,10 @@ class GroupParameters:
     below_ceiling_m
         How far under the ceiling scanners are lifted to look around.
     headroom_m
-        How far a scanner is lifted where no ceiling is seen.
+        How far a scanner is lifted at most, and where no ceiling is seen: beyond the head of any door, not into a
+        gallery.
+    level_m
+        Scanners farther apart than this in height are in different rooms.
     azimuths
         Directions in which a lifted scanner looks around.
     places
@@ -57,7 +60,8 @@ class GroupParameters:
     """
 
     below_ceiling_m: float = 0.15
-    headroom_m: float = 0.7
+    headroom_m: float = 1.1
+    level_m: float = 1.6
     azimuths: int = 180
     places: int = 61
     reach_m: float = 20.0
@@ -90,7 +94,7 @@ def group_scans(
     structure = Structure(planes)
     lifted = scanner_positions.copy()
     lifted[:, 2] += _headroom(structure, scanner_positions, parameters)
-    views = _compare_views(structure, lifted, parameters)
+    views = _compare_views(structure, scanner_positions, lifted, parameters)
     group = _joined(len(lifted), views, parameters)
     group = _overridden(group, given or {}, scanner_positions)
     scan_room = _numbered(group, scanner_positions.astype(np.float64), parameters.storey_gap_m)
@@ -112,8 +116,9 @@ class _Views:
         return np.divide(self.seen, evidence, out=share, where=evidence >= least_evidence)
 
 
-def _compare_views(structure: Structure, lifted: F32, parameters: GroupParameters) -> _Views:
-    pairs = np.sort(cKDTree(lifted).query_pairs(parameters.reach_m, output_type="ndarray"), axis=1)
+def _compare_views(structure: Structure, scanners: F32, lifted: F32, parameters: GroupParameters) -> _Views:
+    pairs = np.sort(cKDTree(scanners).query_pairs(parameters.reach_m, output_type="ndarray"), axis=1)
+    pairs = pairs[np.abs(scanners[pairs[:, 0], 2] - scanners[pairs[:, 1], 2]) <= parameters.level_m]
     pairs = pairs[np.lexsort(pairs.T[::-1])]
     places = _free_places(structure, lifted, parameters)
     own = _own_places(structure, lifted, places)
@@ -177,8 +182,8 @@ def _headroom(structure: Structure, scanners: F32, parameters: GroupParameters) 
     rise = np.where(hits.front, hits.distance * directions[:, 2], np.nan).reshape(len(scanners), -1)
     seen = np.isfinite(rise).any(axis=1)
     headroom = np.full(len(scanners), parameters.headroom_m, np.float32)
-    headroom[seen] = np.maximum(np.nanmedian(rise[seen], axis=1) - parameters.below_ceiling_m, 0.0)
-    return headroom
+    headroom[seen] = np.nanmedian(rise[seen], axis=1) - parameters.below_ceiling_m
+    return np.clip(headroom, 0.0, parameters.headroom_m)
 
 
 def _own_places(structure: Structure, lifted: F32, places: F32) -> Bool:
