@@ -1,0 +1,195 @@
+"""Which points are structure: walls, floors, ceilings and the reveals of their holes (§6.1).
+
+The paper takes away all points on planes, and with them table tops and cupboard fronts. Here a plane is structure
+only if it is a wall that reaches the ceiling, a floor, a ceiling, or a large slope.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Final
+
+import numpy as np
+from scipy import ndimage
+
+from enfilade.ingest.objects.parameters import ObjectParameters
+from enfilade.ingest.records import F64, I32, Bool, Planes, Room, RoomLabels, Surfels
+from enfilade.ingest.sides import Side, cut_by_room, join_patches
+
+MASK_CELL_M: Final = 0.1
+PLAN_CELL_M: Final = 0.25
+
+
+@dataclass(frozen=True, slots=True)
+class Structure:
+    """Planes that are structure, and the sides of each room that lie on such.
+
+    Attributes
+    ----------
+    planes
+        ``(P,) bool``.
+    sides
+        By room.
+    """
+
+    planes: Bool
+    sides: Mapping[int, tuple[Side, ...]]
+
+
+def find_structure(
+    surfels: Surfels,
+    planes: Planes,
+    labels: RoomLabels,
+    rooms: Mapping[int, Room],
+    parameters: ObjectParameters,
+) -> Structure:
+    """Tell walls, floors, ceilings and slopes from the planes of furniture.
+
+    Parameters
+    ----------
+    surfels, planes, labels
+        What the stages before found.
+    rooms
+        By number.
+    parameters
+        How near to the ceiling a wall must come, and so on.
+
+    Returns
+    -------
+    A plane that is structure in one room is so in all.
+    """
+    patches = [p for p in cut_by_room(surfels, planes, labels, parameters.min_side_surfels) if p.room in rooms]
+    sides = join_patches(
+        patches, surfels, max_angle_deg=parameters.join_angle_deg, max_offset_m=parameters.join_offset_m
+    )
+    members = _Members(labels)
+    is_structure = np.zeros(len(planes.offsets), dtype=bool)
+    kept: dict[int, tuple[Side, ...]] = {}
+    for number, own in groupby(sides, key=lambda side: side.room):
+        room = rooms[number]
+        ceiling = _CeilingMap(surfels, members.of(number), room)
+        kept[number] = tuple(side for side in own if _is_structure(side, room, ceiling, surfels, parameters))
+        for side in kept[number]:
+            is_structure[list(side.planes)] = True
+    return Structure(is_structure, kept)
+
+
+def on_structure(
+    points: F64, sides: tuple[Side, ...], room: Room, surfels: Surfels, parameters: ObjectParameters
+) -> Bool:
+    """Tell which points of a room lie on its structure, or in the reveal of a door or window.
+
+    Parameters
+    ----------
+    points
+        ``(n, 3)`` metres.
+    sides
+        The structure of the room.
+    room
+        The room.
+    surfels
+        Those that the sides index.
+    parameters
+        Clearance and depth of reveals.
+
+    Returns
+    -------
+    ``(n,) bool``.
+    """
+    on = np.abs(points[:, 2] - room.floor_elevation) < parameters.clearance_m
+    for side in sides:
+        depth = points @ side.normal - side.offset
+        behind = parameters.max_reveal_m if side.vertical else parameters.clearance_m
+        close = np.flatnonzero((depth < parameters.clearance_m) & (depth > -behind) & ~on)
+        on[close] = _Mask(side, surfels).covers(points[close])
+    return on
+
+
+class _Members:
+    """Surfels by room, found with one sort."""
+
+    def __init__(self, labels: RoomLabels) -> None:
+        self._order = np.argsort(labels.after, kind="stable").astype(np.int32)
+        self._sorted = labels.after[self._order]
+
+    def of(self, room: int) -> I32:
+        low, high = np.searchsorted(self._sorted, [room, room + 1])
+        return self._order[low:high]
+
+
+class _CeilingMap:
+    """Height of the ceiling over each cell of a room's plan, which slopes under a roof."""
+
+    def __init__(self, surfels: Surfels, members: I32, room: Room) -> None:
+        self._corner = room.bounds[:2] - PLAN_CELL_M
+        shape = np.ceil((room.bounds[3:5] - self._corner) / PLAN_CELL_M).astype(int) + 2
+        self._height = np.full(tuple(shape), -np.inf)
+        down = members[surfels.normals[members, 2] < -0.3]
+        self._shape = shape
+        cells = self._cells(surfels.positions[down].astype(np.float64))
+        np.maximum.at(self._height, (cells[:, 0], cells[:, 1]), surfels.positions[down, 2])
+        self._height = ndimage.maximum_filter(self._height, 3)
+        top = room.ceiling_elevation if room.ceiling_elevation is not None else room.bounds[5]
+        self._height[~np.isfinite(self._height)] = top
+
+    def _cells(self, places: F64) -> I32:
+        cells = np.floor((places[:, :2] - self._corner) / PLAN_CELL_M).astype(np.int32)
+        return np.clip(cells, 0, self._shape - 1).astype(np.int32)
+
+    def above(self, places: F64) -> F64:
+        """``(n,)`` heights over places."""
+        cells = self._cells(places)
+        return np.asarray(self._height[cells[:, 0], cells[:, 1]], dtype=np.float64)
+
+
+def _is_structure(side: Side, room: Room, ceiling: _CeilingMap, surfels: Surfels, parameters: ObjectParameters) -> bool:
+    positions = surfels.positions[side.surfels].astype(np.float64)
+    height = float(positions[:, 2].mean()) - room.floor_elevation
+    area = len(side.surfels) * 0.05**2
+    if side.vertical:
+        return _reaches_ceiling(side, positions, ceiling, parameters)
+    if side.horizontal:
+        if side.normal[2] < 0:
+            return height > parameters.min_headroom_m
+        return abs(height) < parameters.floor_reach_m or area > parameters.min_platform_m2
+    return area > parameters.min_slope_m2
+
+
+def _reaches_ceiling(side: Side, positions: F64, ceiling: _CeilingMap, parameters: ObjectParameters) -> bool:
+    """Whether at least a third of a side's columns end at the ceiling."""
+    column = np.floor((positions @ side.u - side.bounds[0]) / MASK_CELL_M).astype(int)
+    short = ceiling.above(positions + 0.1 * side.normal) - positions[:, 2]
+    least = np.full(column.max() + 1, np.inf)
+    np.minimum.at(least, column, short)
+    seen = np.isfinite(least)
+    return bool((least[seen] < parameters.ceiling_reach_m).mean() > 1 / 3)
+
+
+class _Mask:
+    """The cells that a side covers, its holes filled down to the floor, and one cell around."""
+
+    def __init__(self, side: Side, surfels: Surfels) -> None:
+        self._frame = np.column_stack([side.u, side.v])
+        self._corner = side.bounds[:2] - 2 * MASK_CELL_M
+        self._shape = np.ceil((side.bounds[2:] - self._corner) / MASK_CELL_M).astype(int) + 2
+        cells = np.zeros(tuple(self._shape), dtype=bool)
+        found = self._cells(surfels.positions[side.surfels].astype(np.float64))
+        cells[found[:, 0], found[:, 1]] = True
+        square = np.ones((3, 3), dtype=bool)
+        cells = ndimage.binary_closing(cells, square)
+        if side.vertical:
+            cells[2:-2, 2] = True
+            cells = np.asarray(ndimage.binary_fill_holes(cells), dtype=np.bool_)
+        self._covered: Bool = np.asarray(ndimage.binary_dilation(cells, square), dtype=np.bool_)
+
+    def _cells(self, places: F64) -> I32:
+        return np.floor((places @ self._frame - self._corner) / MASK_CELL_M).astype(np.int32)
+
+    def covers(self, places: F64) -> Bool:
+        """``(n,) bool``: which places lie in front of, on or behind the side."""
+        cells = self._cells(places)
+        inside: Bool = np.all((cells >= 0) & (cells < self._shape), axis=1)
+        cells = np.where(inside[:, None], cells, 0)
+        return np.asarray(inside & self._covered[cells[:, 0], cells[:, 1]], dtype=np.bool_)
