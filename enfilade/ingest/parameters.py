@@ -9,6 +9,7 @@ from enfilade.descriptors import DEFAULT_LAYOUT, Layout
 from .groups import GroupParameters
 from .measures import MeasureParameters
 from .neighbours import NeighbourParameters
+from .objects import ObjectParameters
 from .openings import OpeningParameters
 from .planes import PlaneParameters
 from .rooms import RoomParameters
@@ -30,4 +31,5 @@ class Parameters:
     storeys: StoreyParameters = field(default_factory=StoreyParameters)
     neighbours: NeighbourParameters = field(default_factory=NeighbourParameters)
     openings: OpeningParameters = field(default_factory=OpeningParameters)
+    objects: ObjectParameters = field(default_factory=ObjectParameters)
     descriptors: Layout = DEFAULT_LAYOUT

@@ -16,12 +16,12 @@ from .grouping_table import read_grouping
 from .groups import group_scans
 from .measures import measure_rooms
 from .neighbours import find_neighbours
+from .objects import find_objects
 from .openings import find_openings
 from .parameters import Parameters
 from .planes import find_planes
 from .provenance import provenance
 from .readers import read_scans, scan_files
-from .records import Objects
 from .rooms import label_rooms
 from .stopwatch import Stopwatch
 from .storeys import find_storeys
@@ -98,7 +98,8 @@ def ingest(
     neighbours = find_neighbours(surfels, planes, labels, rooms, parameters.neighbours)
     watch.start("openings")
     openings = find_openings(cloud, surfels, planes, labels, rooms, neighbours, parameters.openings)
-    objects = Objects((), ())
+    watch.start("objects")
+    objects = find_objects(cloud, surfels, planes, labels, rooms, parameters.objects, parameters.descriptors)
     watch.start("graph")
     found = Findings(cloud, surfels, planes, labels, rooms, storeys, neighbours, openings, objects)
     origin_of_all = provenance(files, rooms_csv, parameters)
