@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from .home import cache_folder
+from .home import USER, cache_folder
 from .launch import Settings
 from .process import ServerStatus, local_password, start, status, stop
 
-__all__ = ["ServerStatus", "Settings", "cache_folder", "local_password", "start", "status", "stop"]
+__all__ = ["USER", "ServerStatus", "Settings", "cache_folder", "local_password", "start", "status", "stop"]

@@ -1,0 +1,242 @@
+"""The graph database: Neo4j 5.26 or later, on this machine, in a cluster or in Aura."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any, Final
+
+from neo4j import READ_ACCESS, WRITE_ACCESS, Driver, GraphDatabase, ManagedTransaction, Query, Session
+from neo4j.exceptions import ConfigurationError, DriverError, Neo4jError, ServiceUnavailable
+
+from enfilade.errors import NotFoundError, StoreError, VersionError
+from enfilade.schema.checks import check
+from enfilade.schema.definition import SCHEMA_VERSION
+from enfilade.schema.graph import BuildingGraph
+from enfilade.schema.ids import parse
+from enfilade.schema.neo4j import SCHEMA_LABEL, statements
+from enfilade.stores import neo4j_graph, neo4j_tables
+from enfilade.stores.base import BuildingSummary, DescriptorTable, Store
+from enfilade.stores.neo4j_graph import TornReadError
+
+DEFAULT_DATABASE: Final = "neo4j"
+CONNECTION_TIMEOUT_S: Final = 15.0
+RETRY_TIME_S: Final = 30.0
+"""How long the driver tries a transaction again that failed for a passing reason."""
+
+READ_TRIES: Final = 20
+FETCH_SIZE: Final = 2000
+
+logging.getLogger("neo4j").addHandler(logging.NullHandler())  # what matters is raised; the driver need not print too
+
+
+class Neo4jStore(Store):
+    """Buildings in a Neo4j database.
+
+    Parameters
+    ----------
+    address
+        ``neo4j://host:7687``, ``bolt://...``, ``neo4j+s://...``; without user and password.
+    user, password
+        Who asks.
+    database
+        Name of the database; the Community edition has one, called ``neo4j``.
+    create
+        Whether a database without our schema gets it; otherwise that is an error.
+
+    Raises
+    ------
+    StoreError
+        If the server cannot be reached, refuses the password or has no such database.
+    VersionError
+        If the database carries another schema version.
+    """
+
+    dialect = "cypher"
+
+    def __init__(
+        self, address: str, user: str, password: str, *, database: str = DEFAULT_DATABASE, create: bool = True
+    ) -> None:
+        self._address = address
+        self._user = user
+        self._database = database
+        with self._telling():
+            self._driver = self._connect(password)
+            try:
+                self._prepare(create=create)
+            except BaseException:
+                self._driver.close()
+                raise
+
+    @property
+    def url(self) -> str:
+        """Address with the user and, if it is not the usual one, the database."""
+        scheme, _, host = self._address.partition("://")
+        path = "" if self._database == DEFAULT_DATABASE else f"/{self._database}"
+        return f"{scheme}://{self._user}@{host}{path}"
+
+    def write(self, graph: BuildingGraph) -> None:
+        """Put a building in, in one transaction; an older version of it disappears in the same moment."""
+        check(graph)
+
+        def replace(transaction: ManagedTransaction) -> None:
+            neo4j_graph.delete(transaction, graph.building)
+            neo4j_graph.insert(transaction, graph)
+
+        with self._session() as session:
+            session.execute_write(replace)
+
+    def read(self, building: str) -> BuildingGraph:
+        """Return a building's whole graph, as it was written. Raises NotFoundError."""
+        with self._session(reading=True) as session:
+            for tries_left in reversed(range(READ_TRIES)):
+                try:
+                    graph = session.execute_read(neo4j_graph.select, building)
+                    break
+                except TornReadError:
+                    if not tries_left:
+                        raise
+                    time.sleep(0.1)
+        if graph is None:
+            raise self._not_found(building)
+        return graph
+
+    def properties(self, node: str) -> dict[str, Any]:
+        """Return the properties of one node by its key, without its descriptors. Raises NotFoundError."""
+        with self._session(reading=True) as session:
+            found = session.execute_read(neo4j_graph.select_node, parse(node).label, node)
+        if found is None:
+            raise NotFoundError(f'there is no node "{node}" in {self.url}')
+        return found
+
+    def remove(self, building: str) -> None:
+        """Take a building out, in one transaction. Raises NotFoundError."""
+        with self._session() as session:
+            found = session.execute_write(neo4j_graph.delete, building)
+        if not found:
+            raise self._not_found(building)
+
+    def buildings(self) -> list[BuildingSummary]:
+        """All buildings, by id."""
+        with self._session(reading=True) as session:
+            return session.execute_read(neo4j_tables.summaries)
+
+    def rows(
+        self, text: str, parameters: Mapping[str, Any], *, timeout_s: float | None = None
+    ) -> Iterator[tuple[Any, ...]]:
+        """Run a compiled question, read-only; yields its rows. Raises StoreError past the time limit."""
+        with self._session(reading=True) as session:
+            for record in session.run(Query(text, timeout=timeout_s), dict(parameters)):
+                yield tuple(record)
+
+    def cypher(
+        self, text: str, parameters: Mapping[str, Any], *, timeout_s: float | None = None
+    ) -> Iterator[dict[str, Any]]:
+        """Run Cypher as it stands, read-only; yields rows of plain values, as ``enfilade cypher`` shows them."""
+        with self._session(reading=True) as session:
+            for record in session.run(Query(text, timeout=timeout_s), dict(parameters)):
+                yield {
+                    name: neo4j_tables.plain(value) for name, value in zip(record.keys(), record.values(), strict=True)
+                }
+
+    def plan(self, text: str, parameters: Mapping[str, Any]) -> str:
+        """Return Neo4j's own plan for a compiled question, one operator a line, indented."""
+        with self._session(reading=True) as session:
+            summary = session.run(f"EXPLAIN {text}", dict(parameters)).consume()
+        return "\n".join(neo4j_tables.plan_lines(summary.plan or {}))
+
+    def descriptors(self, property: str) -> list[DescriptorTable]:
+        """All values of ``descriptor`` or ``foot_descriptor``, one table a shape, objects by building, as written."""
+        with self._session(reading=True) as session:
+            return session.execute_read(neo4j_tables.descriptors, property)
+
+    def close(self) -> None:
+        """Let go of the connections."""
+        self._driver.close()
+
+    def _connect(self, password: str) -> Driver:
+        return GraphDatabase.driver(
+            self._address,
+            auth=(self._user, password),
+            notifications_min_severity="OFF",
+            connection_timeout=CONNECTION_TIMEOUT_S,
+            connection_acquisition_timeout=CONNECTION_TIMEOUT_S * 2,
+            max_transaction_retry_time=RETRY_TIME_S,
+        )
+
+    def _prepare(self, *, create: bool) -> None:
+        with self._driver.session(database=self._database) as session:
+            versions = _versions(session)  # not retried: a server that cannot be reached is told at once
+            if not versions and not create:
+                raise StoreError(f"{self.url} has no schema of Enfilade yet; ingest or import a building first")
+            if not versions:
+                for statement in statements():
+                    session.run(statement).consume()
+                session.run("CALL db.awaitIndexes(60)").consume()
+                session.execute_write(_write_version)
+                versions = [SCHEMA_VERSION]
+        if versions != [SCHEMA_VERSION]:
+            found = ", ".join(map(str, versions))
+            raise VersionError(
+                f"{self.url} has schema version {found}, this Enfilade knows {SCHEMA_VERSION}; "
+                "open it with the Enfilade that wrote it"
+            )
+
+    @contextmanager
+    def _session(self, *, reading: bool = False) -> Iterator[Session]:
+        access = READ_ACCESS if reading else WRITE_ACCESS
+        with (
+            self._telling(),
+            self._driver.session(database=self._database, default_access_mode=access, fetch_size=FETCH_SIZE) as session,
+        ):
+            yield session
+
+    @contextmanager
+    def _telling(self) -> Iterator[None]:
+        """Turn the driver's errors into a sentence."""
+        try:
+            yield
+        except (Neo4jError, DriverError, ConfigurationError) as error:
+            raise StoreError(self._cause(error)) from error
+
+    def _cause(self, error: Exception) -> str:
+        if isinstance(error, ServiceUnavailable):
+            return (
+                f"{self.url} cannot be reached; check the address and that the server runs "
+                '("enfilade server start" starts one on this machine)'
+            )
+        if not isinstance(error, Neo4jError):
+            return f"{self.url} refuses: {error}"
+        known = next((text for part, text in _CAUSES.items() if error.code and error.code.endswith(part)), None)
+        if known:
+            return f"{self.url} {known.format(user=self._user, database=self._database)}"
+        return f"{self.url} refuses: {(error.message or '').partition(chr(10))[0]}"
+
+    def _not_found(self, building: str) -> NotFoundError:
+        return NotFoundError(f'there is no building "{building}" in {self.url}; "enfilade buildings" lists them')
+
+
+_CAUSES: Final = {
+    "Security.Unauthorized": 'refuses the password of user "{user}"; set ENFILADE_PASSWORD to the right one',
+    "Security.AuthenticationRateLimit": "has refused too many passwords; wait a few seconds and try again",
+    "Database.DatabaseNotFound": 'has no database "{database}"; the one of the Community edition is called neo4j',
+    "Transaction.TransactionTimedOut": "took longer than the time limit; make the question narrower or raise --timeout",
+    "Transaction.TransactionTimedOutClientConfiguration": (
+        "took longer than the time limit; make the question narrower or raise --timeout"
+    ),
+    "Statement.AccessMode": "is only read here, nothing may be written",
+    "General.MemoryPoolOutOfMemoryError": (
+        "has too little memory for the transaction; raise dbms.memory.transaction.total.max or the heap"
+    ),
+}
+
+
+def _versions(session: Session) -> list[int]:
+    text = f"MATCH (s:{SCHEMA_LABEL}) RETURN s.version ORDER BY s.version"
+    return [version for (version,) in session.run(text)]
+
+
+def _write_version(transaction: ManagedTransaction) -> None:
+    transaction.run(f"MERGE (:{SCHEMA_LABEL} {{version: $version}})", version=SCHEMA_VERSION).consume()
