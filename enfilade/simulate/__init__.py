@@ -2,10 +2,22 @@
 
 from .demo import basin_mesh, demo_scene
 from .ifc import ifc_scene
+from .meshes import mesh_scene
 from .scanner import Scanner
 from .scene import Scene
 from .simulation import Parameters, simulate
 from .solids import write_obj
 from .stations import Setup
 
-__all__ = ["Parameters", "Scanner", "Scene", "Setup", "basin_mesh", "demo_scene", "ifc_scene", "simulate", "write_obj"]
+__all__ = [
+    "Parameters",
+    "Scanner",
+    "Scene",
+    "Setup",
+    "basin_mesh",
+    "demo_scene",
+    "ifc_scene",
+    "mesh_scene",
+    "simulate",
+    "write_obj",
+]

@@ -10,6 +10,7 @@ import ifcopenshell
 import ifcopenshell.geom
 import ifcopenshell.util.unit
 import numpy as np
+from ifcopenshell.util.placement import get_local_placement
 from numpy.typing import NDArray
 
 from enfilade.errors import InputError
@@ -31,6 +32,7 @@ ROLES = {
 """What IFC classes are to the scanner; all others are fabric: walls, slabs, columns, ground."""
 _BODILESS = ("IfcFeatureElementSubtraction", "IfcAnnotation", "IfcGrid", "IfcVirtualElement", "IfcPort")
 _SEE_THROUGH = 0.3
+_THREADS = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,13 +96,18 @@ def read_model(path: Path) -> Model:
     elements = _elements(file)
     if not elements:
         raise InputError(f"{path}: the IFC file has no element with a body, so there is nothing to scan")
+    return Model(elements, _storeys(file))
+
+
+def _storeys(file: Any) -> tuple[tuple[float, str], ...]:
     unit = ifcopenshell.util.unit.calculate_unit_scale(file)
-    storeys = sorted(((s.Elevation or 0.0) * unit, s.Name or "") for s in file.by_type("IfcBuildingStorey"))
-    return Model(elements, tuple(storeys))
+    placed = [(s, get_local_placement(s.ObjectPlacement)) for s in file.by_type("IfcBuildingStorey")]
+    return tuple(sorted((float(frame[2, 3]) * unit, storey.Name or "") for storey, frame in placed))
 
 
 def _elements(file: Any) -> tuple[Element, ...]:
-    iterator: Any = ifcopenshell.geom.iterator(ifcopenshell.geom.settings(), file, 2)
+    geometry: Any = ifcopenshell.geom
+    iterator = geometry.iterator(geometry.settings(), file, _THREADS)
     found: dict[int, Element] = {}
     going = bool(iterator.initialize())
     while going:

@@ -212,14 +212,16 @@ def _tread_points(mesh: Mesh) -> F64:
     corners = mesh.vertices[mesh.triangles]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
     level = (np.abs(unit_normals(mesh)[:, 2]) > 0.95) & (area > 0.02)
-    return corners[level if level.any() else slice(None)].mean(axis=1)
+    centres: F64 = corners.mean(axis=1)
+    return centres[level] if level.any() else centres
 
 
 def _around(points: F64, lift: float) -> F64:
     """Points on rings of up to 0.9 m about each point, lifted."""
     angles = np.arange(8) * np.pi / 4
     rings = np.array([[r * np.cos(a), r * np.sin(a), lift] for r in (0.0, 0.3, 0.6, 0.9) for a in angles])
-    return (points[:, None] + rings[None]).reshape(-1, 3)
+    around: F64 = (points[:, None] + rings[None]).reshape(-1, 3)
+    return around
 
 
 def _well(mesh: Mesh, lower: Room, upper: Room, ends: F64, fabric: Caster) -> Opening:

@@ -201,14 +201,14 @@ def _pieces_on_line(line: Wall, rectangles: Sequence[Rectangle], thickness: floa
 
 
 def _leaf(line: Wall, gap: Rectangle) -> Mesh:
-    """A closed leaf near the left face of its wall, inset a little."""
+    """Make a closed leaf near the left face of its wall, inset a little."""
     left = _directions(line)[1]
     shift = left * (line.thickness / 2 - LEAF_INSET_M - LEAF_THICKNESS_M / 2)
     return _pieces_on_line(line, [gap], LEAF_THICKNESS_M).moved(shift)
 
 
 def _directions(line: Wall) -> tuple[F64, F64]:
-    """Unit vectors along a wall and to its left."""
+    """Return unit vectors along a wall and to its left."""
     direction = np.array([*np.subtract(line.end, line.start), 0.0])
     direction /= np.linalg.norm(direction)
     return direction, np.array([-direction[1], direction[0], 0.0])
@@ -264,7 +264,7 @@ def _add_flight(parts: scene.SceneParts, flight: Flight, plan: Plan, numbers: di
 
 
 def _steps(flight: Flight, waist: float = 0.16) -> Mesh:
-    """Steps with a sloped underside, each a solid of its own."""
+    """Make steps with a sloped underside, each a solid of its own."""
     x0, x1, y0, y1 = flight.rectangle
     xs = np.linspace(x0, x1, flight.step_count + 1)
     rise = (flight.top - flight.bottom) / flight.step_count

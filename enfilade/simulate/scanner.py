@@ -135,7 +135,7 @@ class Tracer:
     @property
     def rays(self) -> int:
         """Rays a scan."""
-        return self._directions.shape[0] * self._directions.shape[1]
+        return self._directions[..., 0].size
 
     def scan(self, name: str, station: F64, generator: Generator) -> Scan:
         """Measure from one position; the scanner's frame is turned by a random yaw."""

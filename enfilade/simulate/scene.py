@@ -178,7 +178,7 @@ class SceneParts:
 
 
 def _surfaces(mesh: Mesh, solid: NDArray[np.int_]) -> I32:
-    """Number the flat sides of each solid: same solid, same normal (to 0.02), same offset (to 1 cm)."""
+    """``(T,)`` number of each solid's flat sides: same solid, same normal (to 0.02), same offset (to 1 cm)."""
     normals = unit_normals(mesh)
     offsets = np.einsum("ij,ij->i", normals, mesh.vertices[mesh.triangles[:, 0]])
     keys = np.column_stack([solid, np.round(normals * 50), np.round(offsets * 100)])

@@ -16,7 +16,7 @@ from enfilade.schema.exchange import write_graph
 from .e57 import ScanWriter
 from .locate import Locator
 from .scanner import Scanner, Tracer
-from .scene import Scene
+from .scene import OUTSIDE, Scene
 from .solids import F64
 from .stations import Setup, find_stations
 from .truth import TruthCloud, truth_graph
@@ -48,7 +48,7 @@ def simulate(
         What stands there.
     out
         The E57 file to write; the truth goes to a folder of the same name that ends in ``.truth``: ``graph.json``,
-        ``cloud.ply`` and, if `grouping`, ``grouping.csv`` with the room of each scan.
+        ``cloud.ply`` and, if `grouping`, ``grouping.csv`` with the room that each scan stands in.
     parameters
         Scanner and its set-up; the same parameters give the same points.
 
@@ -60,7 +60,7 @@ def simulate(
     Raises
     ------
     InputError
-        If no place for the scanner is found, or the file cannot be written.
+        If no place for the scanner is found, or nothing is seen from one.
     """
     chosen = parameters or Parameters()
     stations = _stations(scene, chosen)
@@ -72,6 +72,8 @@ def simulate(
     with ScanWriter(out) as writer:
         for index, (name, station) in enumerate(zip(names, stations, strict=True)):
             scan = tracer.scan(name, station, np.random.default_rng([chosen.scanner.seed, index]))
+            if not len(scan.local):
+                raise InputError(f"{scene.name}: the scanner sees nothing at {np.round(station, 2).tolist()}; move it")
             writer.write(scan)
             truth.add(scan)
             progress.advance()
@@ -95,5 +97,6 @@ def _write_truth(scene: Scene, truth: TruthCloud, scan_rooms: dict[str, int], ou
     write_cloud(folder / "cloud.ply", cloud)
     write_graph(truth_graph(scene, out.stem, cloud, scan_rooms), folder / "graph.json")
     if grouping:
+        rows = [(name, room) for name, room in scan_rooms.items() if room != OUTSIDE]
         with (folder / "grouping.csv").open("w", newline="", encoding="utf-8") as file:
-            csv.writer(file, lineterminator="\n").writerows([("scan", "room"), *scan_rooms.items()])
+            csv.writer(file, lineterminator="\n").writerows([("scan", "room"), *rows])

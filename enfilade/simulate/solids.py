@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -103,7 +104,7 @@ def around_holes(outer: Rectangle, holes: Sequence[Rectangle]) -> list[Rectangle
     u0, u1, v0, v1 = outer
     edges = sorted({u0, u1, *(min(max(u, u0), u1) for hole in holes for u in hole[:2])})
     pieces: list[Rectangle] = []
-    for left, right in zip(edges, edges[1:], strict=False):
+    for left, right in pairwise(edges):
         middle = (left + right) / 2
         gaps = sorted((hole[2], hole[3]) for hole in holes if hole[0] < middle < hole[1])
         level = v0
@@ -148,7 +149,8 @@ def unit_normals(mesh: Mesh) -> F64:
     a, b, c = (mesh.vertices[mesh.triangles[:, k]] for k in range(3))
     normals: F64 = np.cross(b - a, c - a)
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-    return np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
+    unit: F64 = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
+    return unit
 
 
 def write_obj(path: Path, mesh: Mesh) -> Path:

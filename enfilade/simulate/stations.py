@@ -99,7 +99,7 @@ def _visibility(structure: Caster, candidates: F64, samples: F64) -> NDArray[np.
 
 
 def _near_stairs(scene: Scene, room: Room, candidates: F64) -> list[int]:
-    """The candidate nearest to each end of stairs in this room."""
+    """Return the candidate nearest to each end of stairs in this room."""
     ends = [
         opening.ends[side]
         for opening in scene.openings

@@ -175,7 +175,7 @@ def _bounds(positions: F64) -> list[float]:
 
 
 def _first_in_voxel(positions: F64) -> NDArray[np.intp]:
-    """Indices of the first point of each voxel, in order."""
+    """Return indices of the first point of each voxel, in order."""
     cells = np.floor(positions / THINNING_M).astype(np.int64)
     cells -= cells.min(axis=0)
     spans = cells.max(axis=0) + 1

@@ -99,7 +99,7 @@ def _level(group: Sequence[Space], walls: Caster, direction: float, otherwise: f
 def _storeys(
     floors: Sequence[float], levels: Sequence[tuple[float, str]]
 ) -> tuple[tuple[Storey, ...], NDArray[np.int64]]:
-    """Storeys that have rooms, numbered from the lowest, their level that of most rooms; and the storey of each room."""
+    """Storeys that have rooms, at the median level of their floors; and the storey of each room."""
     elevations = np.array([z for z, _ in levels] or [0.0])
     place = np.searchsorted(elevations, np.array(floors) + _LEVEL_TOLERANCE_M, side="right") - 1
     used, storey = np.unique(np.maximum(place, 0), return_inverse=True)
