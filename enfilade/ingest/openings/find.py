@@ -48,10 +48,12 @@ def find_openings(
     patches = [p for p in cut_by_room(surfels, planes, labels, chosen.min_side_surfels) if p.room in known]
     sides = join_patches(patches, surfels, max_angle_deg=chosen.join_angle_deg, max_offset_m=chosen.join_offset_m)
     walls = [side for side in sides if side.vertical]
-    doors = open_walls(_holes(rays, walls, chosen), rays, known, neighbours, chosen)
+    looked_at = sorted([*walls, *floor_sides(known)], key=lambda side: side.room)
+    holes = list(_holes(rays, looked_at, chosen))
+    doors = open_walls([hole for hole in holes if hole.side.vertical], rays, known, neighbours, chosen)
     lines = contact_sides(surfels, labels, known, doors, chosen)
     passages = open_walls(_holes(rays, lines, chosen), rays, known, neighbours, chosen)
-    slabs = group_holes(_holes(rays, floor_sides(known), chosen), rays, known, chosen)
+    slabs = group_holes([hole for hole in holes if hole.side.horizontal], rays, known, chosen)
     stairs = [opening for pair, group in slabs if (opening := open_slab(pair, group, rays, known, chosen)) is not None]
     return tuple(sorted((*doors, *passages, *stairs), key=_order))
 

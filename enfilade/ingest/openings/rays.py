@@ -108,7 +108,8 @@ def view_sides(rays: Rays, sides: list[Side], *, surface_m: float) -> Iterator[S
     by_start = _Groups(rays.from_room)
     by_end = _Groups(rays.to_room)
     for room, own in groupby(sides, key=lambda side: side.room):
-        members = np.union1d(by_start.of(room), by_end.of(room)).astype(np.int32)
+        measured, sent = by_end.of(room), by_start.of(room)
+        members = np.concatenate([measured, sent[rays.to_room[sent] != room]])
         yield from _view_room(rays, members, list(own), room, surface_m)
 
 
@@ -125,34 +126,41 @@ class _Groups:
 
 
 def _view_room(rays: Rays, members: I32, sides: list[Side], room: int, surface_m: float) -> Iterator[SideView]:
+    """View all sides of a room; distances from the planes are taken for all of them in one product."""
+    normals = np.array([side.normal for side in sides], dtype=np.float32)
+    offsets = np.array([[side.offset] for side in sides], dtype=np.float32)
+    ahead_of_scanner = normals @ rays.start.T - offsets
     parts: list[list[tuple[I32, F64, F64, F64, Bool, F64]]] = [[] for _ in sides]
     for first in range(0, len(members), CHUNK):
         chunk = members[first : first + CHUNK]
-        start, end = rays.starts(chunk), rays.ends(chunk)
-        leaves, enters = rays.from_room[chunk] == room, rays.to_room[chunk] == room
-        for part, side in zip(parts, sides, strict=True):
-            part.append(_cross(side, chunk, start, end, leaves, enters, surface_m))
+        depth = normals @ rays.end[chunk].T - offsets
+        ahead = ahead_of_scanner[:, rays.scan[chunk]]
+        leaves = (rays.from_room[chunk] == room) & (ahead > surface_m) & (depth < -surface_m)
+        enters = (rays.from_room[chunk] != room) & (ahead < -surface_m) & (depth > surface_m)
+        for row, (part, side) in enumerate(zip(parts, sides, strict=True)):
+            on = chunk[np.abs(depth[row]) < surface_m]
+            part.append((*_cross(side, rays, chunk[leaves[row]], chunk[enters[row]]), _on(side, rays, on)))
     for part, side in zip(parts, sides, strict=True):
         yield SideView(side, *(np.concatenate(columns) for columns in zip(*part, strict=True)))
 
 
-def _cross(
-    side: Side, ray: I32, start: F64, end: F64, leaves: Bool, enters: Bool, surface_m: float
-) -> tuple[I32, F64, F64, F64, Bool, F64]:
-    """Crossings and surface points of one side among some rays."""
+def _cross(side: Side, rays: Rays, leaving: I32, entering: I32) -> tuple[I32, F64, F64, F64, Bool]:
+    """Find where rays cross a side, leaving out those that cross its plane beside it."""
+    ray = np.concatenate([leaving, entering])
+    start, end = rays.starts(ray), rays.ends(ray)
+    ahead, depth = start @ side.normal - side.offset, end @ side.normal - side.offset
     frame = np.column_stack([side.u, side.v])
-    ahead = start @ side.normal - side.offset
-    depth = end @ side.normal - side.offset
-    out = leaves & (ahead > surface_m) & (depth < -surface_m)
-    into = enters & ~leaves & (ahead < -surface_m) & (depth > surface_m)
-    hit = np.flatnonzero(out | into)
-    share = (ahead[hit] / (ahead[hit] - depth[hit]))[:, None]
-    crossing = (start[hit] + share * (end[hit] - start[hit])) @ frame
-    inside = _within(crossing, side.bounds, 0.1)
-    hit, crossing = hit[inside], crossing[inside]
-    beyond = np.where(out[hit], -depth[hit], -ahead[hit])
-    wall = end[np.abs(depth) < surface_m] @ frame
-    return ray[hit], crossing, end[hit] @ frame, beyond, out[hit], wall[_within(wall, side.bounds, 0.1)]
+    crossing = (start + (ahead / (ahead - depth))[:, None] * (end - start)) @ frame
+    outbound = np.arange(len(ray)) < len(leaving)
+    beyond = np.where(outbound, -depth, -ahead)
+    hit = _within(crossing, side.bounds, 0.1)
+    return ray[hit], crossing[hit], end[hit] @ frame, beyond[hit], outbound[hit]
+
+
+def _on(side: Side, rays: Rays, ray: I32) -> F64:
+    """Return where points lie on a side, along its axes."""
+    wall = rays.ends(ray) @ np.column_stack([side.u, side.v])
+    return wall[_within(wall, side.bounds, 0.1)]
 
 
 def _within(places: F64, bounds: F64, margin: float) -> Bool:
