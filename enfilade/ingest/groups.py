@@ -68,7 +68,7 @@ class GroupParameters:
     sight_pairs: int = 610
     least_sight: float = 0.05
     wall_m: float = 0.6
-    least_open: float = 0.5
+    least_open: float = 0.45
     least_evidence: float = 0.15
     storey_gap_m: float = 1.2
 
@@ -93,12 +93,14 @@ def group_scans(
     """
     structure = Structure(planes)
     lifted = scanner_positions.copy()
-    lifted[:, 2] += _headroom(structure, scanner_positions, parameters)
+    rise = _clearance(structure, scanner_positions, 1.0) - parameters.below_ceiling_m
+    lifted[:, 2] += np.clip(rise, 0.0, parameters.headroom_m)
     views = _compare_views(structure, scanner_positions, lifted, parameters)
     group = _joined(len(lifted), views, parameters)
     group = _overridden(group, given or {}, scanner_positions)
     scan_room = _numbered(group, scanner_positions.astype(np.float64), parameters.storey_gap_m)
-    return Groups(scan_room, lifted, _votes(scan_room, views, parameters))
+    floors = (scanner_positions[:, 2] - _clearance(structure, scanner_positions, -1.0)).astype(np.float32)
+    return Groups(scan_room, lifted, floors, _votes(scan_room, views, parameters))
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,18 +174,21 @@ def _free_places(structure: Structure, lifted: F32, parameters: GroupParameters)
     return np.asarray(lifted[:, None] + rays[ray] * reach[..., None], np.float32)
 
 
-def _headroom(structure: Structure, scanners: F32, parameters: GroupParameters) -> F32:
-    """``(S,)``: how far each scanner can be lifted, from the median ceiling that a steep cone of rays meets."""
+def _clearance(structure: Structure, scanners: F32, sign: float) -> F32:
+    """``(S,)`` metres up (`sign` 1) to the ceiling or down (-1) to the floor, infinite where there is none.
+
+    It is the median of what the front faces in a steep cone of rays say.
+    """
     azimuth = 2.0 * np.pi * np.arange(16) / 16.0
     tilt = np.tile([0.1, 0.35], 8)
-    cone = np.stack([np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), np.cos(tilt)], axis=1)
+    cone = np.stack([np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), sign * np.cos(tilt)], axis=1)
     directions = np.tile(cone.astype(np.float32), (len(scanners), 1))
     hits = structure.cast(np.repeat(scanners, len(cone), axis=0), directions)
-    rise = np.where(hits.front, hits.distance * directions[:, 2], np.nan).reshape(len(scanners), -1)
-    seen = np.isfinite(rise).any(axis=1)
-    headroom = np.full(len(scanners), parameters.headroom_m, np.float32)
-    headroom[seen] = np.nanmedian(rise[seen], axis=1) - parameters.below_ceiling_m
-    return np.clip(headroom, 0.0, parameters.headroom_m)
+    height = np.where(hits.front, hits.distance * np.abs(directions[:, 2]), np.nan).reshape(len(scanners), -1)
+    seen = np.isfinite(height).any(axis=1)
+    clearance = np.full(len(scanners), np.inf, np.float32)
+    clearance[seen] = np.nanmedian(height[seen], axis=1)
+    return clearance
 
 
 def _own_places(structure: Structure, lifted: F32, places: F32) -> Bool:

@@ -150,12 +150,15 @@ class Groups:
         ``(S,) int32`` room of each scan.
     viewpoints
         ``(S, 3) float32``, metres: the scanners lifted to just below the ceiling, where lintels close the doors.
+    floors
+        ``(S,) float32`` height of the floor under each scanner, metres; -inf where none is seen.
     votes
         ``(S,) bool``, whether what the scan sees tells its room; one that stood in a wide passage sees two.
     """
 
     scan_room: I32
     viewpoints: F32
+    floors: F32
     votes: Bool
 
 

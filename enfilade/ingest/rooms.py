@@ -44,6 +44,8 @@ class RoomParameters:
         Nearest viewpoints that are asked whether they see a node.
     view_m
         How far a viewpoint sees.
+    below_floor_m
+        What lies further below the floor of a room than this is not of the room.
     iterations
         N of Eq. 5: how many iterations are summed.
     least_surfels
@@ -54,6 +56,7 @@ class RoomParameters:
     rays: int = 24
     viewpoints: int = 12
     view_m: float = 25.0
+    below_floor_m: float = 0.5
     iterations: int = 5
     least_surfels: int = 400
 
@@ -110,9 +113,11 @@ def label_rooms(
     viewers = _viewers(structure, starts[middles], normals[middles], groups, parameters)
     transition = trace_transitions(structure, starts, normals, planes, nodes, parameters, progress=progress)
     scan_room = groups.scan_room
+    heights = starts[middles, 2] + parameters.below_floor_m
     while True:
         before = scan_room[surfels.scan]
-        label, agreement = _diffuse(transition, viewers, scan_room, parameters.iterations)
+        allowed_from = _lowest_floors(groups.floors, scan_room)
+        label, agreement = _diffuse(transition, viewers, scan_room, heights, allowed_from, parameters.iterations)
         after = label[nodes.of_surfel]
         after = np.where(after >= 0, after, before).astype(np.int32)
         size = np.bincount(after, minlength=int(scan_room.max()) + 1)
@@ -272,19 +277,36 @@ def _viewers(
     return sparse.csr_array((ones, (node[sees], voting[viewer[sees]])), shape=shape)
 
 
+def _lowest_floors(floors: F32, scan_room: I32) -> F32:
+    """``(R,)`` the lowest floor under a scanner of each room."""
+    lowest = np.full(int(scan_room.max()) + 1, np.inf, np.float32)
+    np.minimum.at(lowest, scan_room, floors)
+    return lowest
+
+
 def _diffuse(
-    transition: sparse.csr_array, viewers: sparse.csr_array, scan_room: I32, iterations: int
+    transition: sparse.csr_array,
+    viewers: sparse.csr_array,
+    scan_room: I32,
+    heights: F32,
+    floors: F32,
+    iterations: int,
 ) -> tuple[I32, F32]:
-    """Label of each node by Eq. 5 and the label's share of the sum; rooms are taken a few at a time."""
+    """Label of each node by Eq. 5 and the label's share of the sum; rooms are taken a few at a time.
+
+    What lies below a room's floor is not of the room, however well it is seen from a gallery or down the stairs.
+    """
     initial = _initial_labels(viewers, scan_room)
     count = transition.shape[0]
     best, total = np.zeros(count, np.float32), np.zeros(count, np.float32)
     label = np.full(count, -1, np.int32)
     for first in range(0, initial.shape[1], _ROOMS_AT_ONCE):
-        current = initial[:, first : first + _ROOMS_AT_ONCE].toarray()
+        some = slice(first, first + _ROOMS_AT_ONCE)
+        above_floor = heights[:, None] >= floors[None, some]
+        current = initial[:, some].toarray() * above_floor
         summed = np.zeros_like(current)
         for _ in range(iterations):
-            current = transition @ current
+            current = (transition @ current) * above_floor
             summed += current
         winner = np.argmax(summed, axis=1)
         value = summed[np.arange(count), winner]
