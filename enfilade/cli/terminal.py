@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import os
+import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,6 +13,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextC
 from rich.table import Table
 from rich.text import Text
 
+from enfilade.errors import StoreError
 from enfilade.stores import open_store
 from enfilade.stores.archive import Archive, default_clouds_folder
 
@@ -61,17 +62,17 @@ def progress_bars(prefix: str = "") -> Iterator[Bars]:
 
 def open_archive(ctx: click.Context, *, create: bool = False, url: str | None = None) -> Archive:
     """Open the store that the options name, together with its clouds; closed when the command ends."""
-    store = open_store(url or ctx.obj["store"], create=create, ask_password=ask_password)
+    store = open_store(url or ctx.obj["store"], create=create, ask=ask_password)
     ctx.call_on_close(store.close)
     folder = ctx.obj["clouds"]
     return Archive(store, Path(folder) if folder and url is None else default_clouds_folder(store))
 
 
-def ask_password(prompt: str) -> str:
-    """Ask for a password on the terminal; empty where there is none."""
-    if not os.isatty(0):
-        return ""
-    answer: str = click.prompt(prompt, hide_input=True, err=True)
+def ask_password(url: str) -> str:
+    """Ask for the password of a store on the terminal."""
+    if not sys.stdin.isatty():
+        raise StoreError(f"{url} needs a password; set ENFILADE_PASSWORD.")
+    answer: str = click.prompt(f"Password of {url}", hide_input=True, err=True)
     return answer
 
 
