@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from enfilade.cli.terminal import ERR, OUT, open_archive, print_table, progress_bars
 from enfilade.errors import EnfiladeError, InputError
 from enfilade.stores.archive import Archive
+
+if TYPE_CHECKING:
+    from enfilade.simulate import Scene
 
 PATH = click.Path(path_type=Path)
 
@@ -70,14 +74,12 @@ def _one_each(scans: tuple[Path, ...]) -> dict[str, list[Path]]:
 @click.command("simulate")
 @click.argument("model", type=PATH, required=False)
 @click.option("-o", "--output", type=PATH, required=True, help="NAME.e57; the truth goes to NAME.truth/ beside it.")
-@click.option("--seed", type=int, default=0, show_default=True, help="Seed of noise and scan positions.")
+@click.option("--seed", type=int, default=1, show_default=True, help="Seed of noise and closed doors.")
 @click.option("--step", type=click.FloatRange(0.02, 5.0), help="Angle between rays, degrees.")
-@click.option(
-    "--closed", type=click.FloatRange(0.0, 1.0), default=0.0, show_default=True, help="Share of closed doors."
-)
-@click.option("--positions", type=PATH, help="CSV `x,y,z` of scanner positions, instead of some in every room.")
+@click.option("--closed", type=click.FloatRange(0.0, 1.0), help="Share of an IFC model's doors that are closed.")
+@click.option("--positions", type=PATH, help="CSV `x,y,z` of scanner positions in a mesh.")
 def simulate_command(
-    model: Path | None, output: Path, seed: int, step: float | None, closed: float, positions: Path | None
+    model: Path | None, output: Path, seed: int, step: float | None, closed: float | None, positions: Path | None
 ) -> None:
     """Scan a building model with a virtual laser scanner.
 
@@ -85,17 +87,31 @@ def simulate_command(
     """
     from dataclasses import replace
 
-    from enfilade.simulate import Scanner, load_scene, simulate
+    from enfilade.simulate import Parameters, Scanner, simulate
 
     if output.suffix.lower() != ".e57":
         raise InputError(f"The output {output} has to end in .e57.")
-    scanner = Scanner(seed=seed)
-    if step is not None:
-        scanner = replace(scanner, angular_step_deg=step)
+    scanner = Scanner(seed=seed) if step is None else replace(Scanner(seed=seed), angular_step_deg=step)
     with progress_bars() as bars:
-        scene = load_scene(model, closed_share=closed, positions=positions, seed=seed)
-        simulate(scene, output, parameters=scanner, progress=bars)
+        bars.start("model")
+        scene = _scene(model, seed, closed, positions)
+        simulate(scene, output, parameters=Parameters(scanner), progress=bars)
     ERR.print(f"Wrote {output} and {output.with_suffix('.truth')}/", markup=False)
+
+
+def _scene(model: Path | None, seed: int, closed: float | None, positions: Path | None) -> Scene:
+    from enfilade.simulate import demo_scene, ifc_scene, mesh_scene
+
+    is_ifc = model is not None and model.suffix.lower() == ".ifc"
+    if closed is not None and not is_ifc:
+        raise click.UsageError("--closed goes with an IFC model.")
+    if positions is not None and (model is None or is_ifc):
+        raise click.UsageError("--positions goes with a mesh.")
+    if model is None:
+        return demo_scene()
+    if is_ifc:
+        return ifc_scene(model, seed=seed) if closed is None else ifc_scene(model, closed_share=closed, seed=seed)
+    return mesh_scene(model, stations=positions)
 
 
 @click.command("evaluate")
