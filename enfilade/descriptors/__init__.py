@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .distance import distances
+from .distance import best_turn, distances
 from .histogram import describe
 from .layout import DEFAULT_LAYOUT, PAPER_LAYOUT, TOTAL, Layout, quantise
 from .shapes import Shape, read_shape
@@ -15,6 +15,7 @@ __all__ = [
     "Layout",
     "Shape",
     "Viewing",
+    "best_turn",
     "describe",
     "distances",
     "mesh_views",

@@ -60,6 +60,34 @@ def distances(query: NDArray[np.uint16], table: NDArray[np.uint16], shape: tuple
     return nearest
 
 
+def best_turn(query: NDArray[np.uint16], other: NDArray[np.uint16], shape: tuple[int, int, int]) -> float:
+    """Angle about the vertical axis by which an object is to be turned to lie as a shape (or its nearest view) does.
+
+    Parameters
+    ----------
+    query
+        ``(bins,)`` counts of the shape, or ``(V, bins)`` of its views.
+    other
+        ``(bins,)`` counts of the object.
+    shape
+        Slices, shells, sectors of both.
+
+    Returns
+    -------
+    float
+        Radians, a multiple of a sector's angle.
+    """
+    views = np.atleast_2d(query).reshape(-1, *shape).astype(np.float64)
+    turned = np.stack([np.roll(other.reshape(shape), turn, axis=2) for turn in range(shape[2])]).astype(np.float64)
+    overlap = []
+    for view in views:
+        total = view + turned
+        terms = np.divide(view * turned, total, out=np.zeros_like(turned), where=total > 0)
+        overlap.append(terms.sum(axis=(1, 2, 3)))
+    _, turn = np.unravel_index(np.argmax(overlap), (len(views), shape[2]))
+    return float(turn) * 2 * np.pi / shape[2]
+
+
 def _nearest_rows(views: NDArray[np.uint16], rows: NDArray[np.uint16], nearest: NDArray[np.float64]) -> None:
     """Lower each row's `nearest` to its distance from the nearest view.
 

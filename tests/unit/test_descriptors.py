@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from enfilade.descriptors import DEFAULT_LAYOUT, PAPER_LAYOUT, TOTAL, Layout, describe, distances, quantise
+from enfilade.descriptors import DEFAULT_LAYOUT, PAPER_LAYOUT, TOTAL, Layout, best_turn, describe, distances, quantise
 
 SMALL = Layout(slices=3, slice_height_m=0.5, shells=2, shell_width_m=0.5, sectors=8)
 
@@ -167,3 +167,11 @@ def test_no_points_no_descriptor():
         describe(np.empty((0, 3)), 0.0)
     with pytest.raises(ValueError, match="finite"):
         describe(np.array([[0.0, np.nan, 0.0]]), 0.0)
+
+
+@given(counts, st.integers(0, SMALL.sectors - 1))
+def test_the_best_turn_lays_one_object_as_the_other(descriptor, shift):
+    turned = np.roll(descriptor.reshape(SMALL.shape), -shift, axis=2).ravel()
+    angle = best_turn(descriptor, turned, SMALL.shape)
+    back = np.roll(turned.reshape(SMALL.shape), round(angle * SMALL.sectors / (2 * np.pi)), axis=2)
+    assert np.array_equal(back.ravel(), descriptor)
