@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 from .casting import Caster
 from .ifc_model import Element
 from .locate import Locator
+from .polygons import COLUMN_STEP_M
 from .scene import OUTSIDE, Opening, Room
 from .solids import F64, Mesh, unit_normals
-from .spaces import COLUMN_STEP_M, DOORWAY_HEIGHT_M, DOORWAY_WIDTH_M, Border, Space
+from .spaces import DOORWAY_HEIGHT_M, DOORWAY_WIDTH_M, Border, Space
 
 _JAMB_M = 0.1
 _SILL_M = 0.05

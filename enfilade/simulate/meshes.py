@@ -82,7 +82,9 @@ def _read_stations(path: Path) -> F64:
             rows = [[float(row[axis]) for axis in "xyz"] for row in csv.DictReader(file)]
     except (OSError, UnicodeDecodeError, csv.Error, KeyError, TypeError, ValueError) as error:
         raise InputError(f"{path}: not a CSV file of numbers with the header x,y,z ({error})") from error
-    return np.array(rows, dtype=np.float64).reshape(-1, 3)
+    if not rows:
+        raise InputError(f"{path}: holds no scanner positions; write one a line under the header x,y,z")
+    return np.array(rows, dtype=np.float64)
 
 
 def _grid_stations(mesh: Mesh, spacing_m: float, setup: Setup) -> F64:

@@ -30,7 +30,7 @@ class Scanner:
     range_from_m, range_to_m
         Shortest and longest range.
     mixed_share, mixed_jump_m
-        Share of the pixels next to a jump in range, of at least so much, that get a range in between.
+        Share of the pixels next to an edge, with at least so much depth behind it, that get a range in between.
     grazing_from_deg
         Angle of incidence from which returns get lost, all of them at 90°.
     glass_return
@@ -41,8 +41,6 @@ class Scanner:
         Share of rays lost for no reason.
     registration_m, registration_deg
         Standard deviation of each coordinate and of each angle of the pose that the registration gives a scan.
-    height_m
-        Height of the scanner over the floor.
     seed
         Of everything random.
     """
@@ -61,7 +59,6 @@ class Scanner:
     dropout: float = 0.005
     registration_m: float = 0.002
     registration_deg: float = 0.01
-    height_m: float = 1.5
     seed: int = 1
 
 
@@ -142,13 +139,12 @@ class Tracer:
         yaw = rotation_about_z(generator.uniform(-170.0, 170.0))
         directions = (self._directions.reshape(-1, 3) @ yaw.T.astype(np.float32)).astype(np.float32)
         ranges, triangle = self._first_hits(station, directions, generator)
-        shape = self._directions.shape[:2]
-        measured, mixed = self._measure(ranges.reshape(shape), generator)
         normal = self._normals[np.maximum(triangle, 0)]
+        measured, mixed = self._measure(ranges, directions, normal, generator)
         cosine = -np.einsum("ij,ij->i", normal, directions)
         keep = self._returned(ranges, np.abs(cosine), generator)
         normal *= np.where(cosine < 0, -1, 1)[:, None].astype(np.float32)
-        local = self._directions.reshape(-1, 3)[keep] * measured.reshape(-1)[keep, None]
+        local = self._directions.reshape(-1, 3)[keep] * measured[keep, None]
         return Scan(
             name,
             self._registered(station, yaw, generator),
@@ -157,7 +153,7 @@ class Tracer:
             triangle[keep],
             station + directions[keep] * ranges[keep, None],
             normal[keep],
-            mixed.reshape(-1)[keep],
+            mixed[keep],
         )
 
     def _first_hits(self, station: F64, directions: F32, generator: Generator) -> tuple[F32, NDArray[np.int32]]:
@@ -174,20 +170,38 @@ class Tracer:
         ranges = np.where(back, pane_range, np.where(lost, np.float32(np.inf), ranges))
         return ranges, np.where(back, self._glass_ids[pane], np.where(lost, -1, triangle)).astype(np.int32)
 
-    def _measure(self, ranges: F32, generator: Generator) -> tuple[F32, NDArray[np.bool_]]:
-        """``(columns, rows)`` ranges with noise and edge-mixed pixels, and which those are."""
-        chance = generator.random(ranges.shape, dtype=np.float32)
-        other = np.where(
-            chance < self._scanner.mixed_share / 2, np.roll(ranges, -1, axis=0), np.roll(ranges, -1, axis=1)
-        )
-        with np.errstate(invalid="ignore"):
-            jump = np.abs(other - ranges) > self._scanner.mixed_jump_m
-        mixed = jump & np.isfinite(other) & np.isfinite(ranges) & (chance < self._scanner.mixed_share)
-        mixed[:, -1] &= chance[:, -1] < self._scanner.mixed_share / 2
-        weight = generator.random(ranges.shape, dtype=np.float32)
-        noise = generator.standard_normal(ranges.shape, dtype=np.float32) * np.float32(self._scanner.range_noise_m)
-        blended = np.where(mixed, weight * ranges + (1 - weight) * np.where(mixed, other, 0), ranges)
-        return (blended + noise).astype(np.float32), mixed
+    def _measure(
+        self, ranges: F32, directions: F32, normal: F32, generator: Generator
+    ) -> tuple[F32, NDArray[np.bool_]]:
+        """Ranges with noise and edge-mixed pixels, and which those are."""
+        edge, beside = self._edges(ranges, directions, normal, generator)
+        weight = generator.random(len(edge), dtype=np.float32)
+        measured = ranges.copy()
+        measured[edge] = weight * ranges[edge] + (1 - weight) * ranges[beside]
+        noise = generator.standard_normal(len(ranges), dtype=np.float32)
+        mixed = np.zeros(len(ranges), dtype=np.bool_)
+        mixed[edge] = True
+        return measured + noise * np.float32(self._scanner.range_noise_m), mixed
+
+    def _edges(
+        self, ranges: F32, directions: F32, normal: F32, generator: Generator
+    ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Pixels to mix and the neighbour each is mixed with: the next column's, or the next one above.
+
+        Neighbours on one plane differ in range too, so what counts is how far the neighbour lies off the plane.
+        """
+        scanner = self._scanner
+        columns, rows = self._directions.shape[:2]
+        chance = generator.random(len(ranges), dtype=np.float32)
+        chosen = np.flatnonzero(chance < scanner.mixed_share)
+        above = np.where(chosen % rows < rows - 1, chosen + 1, chosen)
+        beside = np.where(chance[chosen] < scanner.mixed_share / 2, (chosen + rows) % (columns * rows), above)
+        both = np.isfinite(ranges[chosen]) & np.isfinite(ranges[beside])
+        chosen, beside = chosen[both], beside[both]
+        apart = directions[beside] * ranges[beside, None] - directions[chosen] * ranges[chosen, None]
+        off_plane = np.abs(np.einsum("ij,ij->i", normal[chosen], apart))
+        jump = (off_plane > scanner.mixed_jump_m) & (np.abs(ranges[beside] - ranges[chosen]) > scanner.mixed_jump_m)
+        return chosen[jump], beside[jump]
 
     def _returned(self, ranges: F32, cosine: F32, generator: Generator) -> NDArray[np.bool_]:
         """Which rays come back: in range, not lost at a grazing angle, not lost at random."""

@@ -18,14 +18,14 @@ from scipy.sparse.csgraph import connected_components
 from shapely import Polygon
 
 from .casting import Caster
-from .solids import F64, Mesh, merge, unit_normals
+from .polygons import COLUMN_STEP_M, boundary_columns, distance_along, extrude, footprint, plan_samples
+from .solids import F64, Mesh
 
 _LEVEL_TOLERANCE_M = 0.5
 _SPANS_MORE_M = 1.5
 _HELD_SHARE = 0.6
 _ROOF_WITHIN_M = 15.0
 _WALL_AT_MOST_M = 0.6
-COLUMN_STEP_M = 0.1
 _ROW_STEP_M = 0.15
 _CLEAR_SHARE = 0.5
 _WHOLE = 0.9
@@ -106,16 +106,6 @@ def space_of(name: str, mesh: Mesh) -> Space | None:
     return Space(name, mesh, polygon, float(low), float(high))
 
 
-def footprint(mesh: Mesh) -> Polygon:
-    """Return the largest polygon of a mesh's projection on the plan, simplified to 5 mm."""
-    level = np.abs(unit_normals(mesh)[:, 2]) > 0.2
-    corners = mesh.vertices[mesh.triangles[level]][:, :, :2]
-    triangles = shapely.polygons(corners)
-    return largest_polygon(
-        shapely.union_all(shapely.buffer(triangles, 1e-3, join_style="mitre")).buffer(-1e-3, join_style="mitre")
-    )
-
-
 def sound_spaces(spaces: Sequence[Space], levels: Sequence[float], walls: Caster) -> list[Space]:
     """Leave out spaces that hold others or have no roof, cut those over several storeys at the upper floors."""
     sound = [s for s in spaces if not _holds_others(s, spaces) and _covered(s, walls)]
@@ -131,32 +121,6 @@ def _cut(space: Space, levels: Sequence[float]) -> list[Space]:
         Space(space.name, extrude(space.polygon, low, high), space.polygon, low, high)
         for low, high in pairwise(heights)
     ]
-
-
-def extrude(polygon: Polygon, bottom: float, top: float) -> Mesh:
-    """Return the closed prism over a polygon, holes included."""
-    cells = shapely.get_parts(shapely.constrained_delaunay_triangles(polygon))
-    caps = [_cap(cell, z, up) for cell in cells for z, up in ((bottom, False), (top, True))]
-    outer = shapely.orient_polygons(polygon)
-    rings = [np.array(ring.coords)[:, :2] for ring in (outer.exterior, *outer.interiors)]
-    return merge([*caps, *(_sides(ring, bottom, top) for ring in rings)])
-
-
-def _cap(triangle: Polygon, z: float, up: bool) -> Mesh:
-    corners = np.array(shapely.orient_polygons(triangle).exterior.coords)[:3, :2]
-    order = [0, 1, 2] if up else [0, 2, 1]
-    return Mesh(np.column_stack([corners, np.full(3, z)]), np.array([order], dtype=np.int32))
-
-
-def _sides(ring: F64, bottom: float, top: float) -> Mesh:
-    count = len(ring) - 1
-    low, high = (np.column_stack([ring[:-1], np.full(count, z)]) for z in (bottom, top))
-    here = np.arange(count)
-    there = np.roll(here, -1)
-    triangles = np.concatenate(
-        [np.column_stack([here, there, there + count]), np.column_stack([here, there + count, here + count])]
-    )
-    return Mesh(np.concatenate([low, high]), triangles.astype(np.int32))
 
 
 def _holds_others(space: Space, spaces: Sequence[Space]) -> bool:
@@ -177,22 +141,10 @@ def _covered(space: Space, walls: Caster) -> bool:
     return bool(np.mean(above < _ROOF_WITHIN_M) > 0.5 and np.mean(below < reach) > 0.5)
 
 
-def plan_samples(polygon: Polygon, z: float, step: float = 0.4) -> F64:
-    """``(K, 3)`` points of a grid in a polygon, at least one."""
-    x0, y0, x1, y1 = polygon.bounds
-    plan = np.stack(np.meshgrid(np.arange(x0 + step / 2, x1, step), np.arange(y0 + step / 2, y1, step)), -1).reshape(
-        -1, 2
-    )
-    plan = plan[shapely.contains_xy(polygon, plan)]
-    if not len(plan):
-        plan = np.array(polygon.representative_point().coords)
-    return np.column_stack([plan, np.full(len(plan), z)])
-
-
 def borders_of(spaces: Sequence[Space], fabric: Caster) -> list[Border]:
     """Look at what stands between every two spaces of a level that lie side by side."""
-    tree = shapely.STRtree([space.polygon for space in spaces])
-    near = tree.query([space.polygon for space in spaces], predicate="dwithin", distance=_WALL_AT_MOST_M)
+    polygons = np.array([space.polygon for space in spaces], dtype=object)
+    near = shapely.STRtree(polygons).query(polygons, predicate="dwithin", distance=_WALL_AT_MOST_M)
     pairs = [
         (int(a), int(b)) for a, b in near.T if a < b and abs(spaces[a].bottom - spaces[b].bottom) < _LEVEL_TOLERANCE_M
     ]
@@ -202,12 +154,12 @@ def borders_of(spaces: Sequence[Space], fabric: Caster) -> list[Border]:
 
 def _border(spaces: Sequence[Space], a: int, b: int, fabric: Caster) -> Border | None:
     """Columns of rays from the boundary of one space straight across to the other."""
-    start, across = _boundary_columns(spaces[a].polygon)
-    gap = _distance_along(start, across, spaces[b].polygon)
+    columns = boundary_columns(spaces[a].polygon)
+    gap = distance_along(columns.points, columns.outwards, spaces[b].polygon, _WALL_AT_MOST_M)
     beside = np.isfinite(gap)
     if not beside.any():
         return None
-    start, across, gap = start[beside], across[beside], gap[beside]
+    start, across, gap = columns.points[beside], columns.outwards[beside], gap[beside]
     bottom = max(spaces[a].bottom, spaces[b].bottom)
     top = min(spaces[a].top, spaces[b].top)
     heights = np.arange(bottom + 0.1, top - 0.05, _ROW_STEP_M)
@@ -215,34 +167,6 @@ def _border(spaces: Sequence[Space], a: int, b: int, fabric: Caster) -> Border |
     first = np.where(blocked.any(axis=1), blocked.argmax(axis=1), len(heights))
     clear = np.where(first > 0, 0.1 + _ROW_STEP_M * first, 0.0)
     return Border(a, b, clear, first == len(heights), start + across * gap[:, None] / 2, across, gap)
-
-
-def _boundary_columns(polygon: Polygon) -> tuple[F64, F64]:
-    """Points along a polygon's boundary and the unit vectors out of it, ``(C, 2)`` each."""
-    points, outwards = [], []
-    oriented = shapely.orient_polygons(polygon)
-    for ring in (oriented.exterior, *oriented.interiors):
-        corners = np.array(ring.coords)[:, :2]
-        for start, end in pairwise(corners):
-            length = float(np.linalg.norm(end - start))
-            count = int(length / COLUMN_STEP_M)
-            if count:
-                along = (end - start) / length
-                offsets = (np.arange(count) + 0.5) * length / count
-                points.append(start + offsets[:, None] * along)
-                outwards.append(np.tile([along[1], -along[0]], (count, 1)))
-    if not points:
-        return np.empty((0, 2)), np.empty((0, 2))
-    return np.concatenate(points), np.concatenate(outwards)
-
-
-def _distance_along(start: F64, across: F64, polygon: Polygon) -> F64:
-    """Distance from each start to where its ray enters a polygon within a wall's thickness; infinity if it does not."""
-    lines = shapely.linestrings(np.stack([start - 0.01 * across, start + _WALL_AT_MOST_M * across], axis=1))
-    common = shapely.intersection(lines, polygon)
-    reached = shapely.length(common) > 0.05
-    distance = shapely.distance(shapely.points(start), common)
-    return np.where(reached, distance, np.inf)
 
 
 def _blocked_columns(start: F64, across: F64, gap: F64, heights: F64, fabric: Caster) -> NDArray[np.bool_]:
@@ -261,9 +185,3 @@ def unite(spaces: Sequence[Space], borders: Sequence[Border]) -> NDArray[np.int3
     rows, columns = np.array(joined, dtype=np.int64).reshape(-1, 2).T
     links = coo_array((np.ones(len(rows)), (rows, columns)), shape=(len(spaces), len(spaces)))
     return connected_components(links, directed=False)[1].astype(np.int32)
-
-
-def largest_polygon(shape: shapely.Geometry) -> Polygon:
-    """Return the largest part that is a polygon, simplified to 5 mm; an empty one where there is none."""
-    parts = [part for part in shapely.get_parts(shapely.simplify(shape, 0.005)) if isinstance(part, Polygon)]
-    return max(parts, key=lambda part: part.area, default=Polygon())

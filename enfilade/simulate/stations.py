@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from shapely.geometry.base import BaseGeometry
 
 from .casting import Caster
 from .scene import Room, Scene
@@ -16,6 +17,7 @@ _CANDIDATE_STEP_M = 0.25
 _SAMPLE_STEP_M = 0.5
 _SAMPLE_HEIGHT_M = 0.4
 _FLOOR_TOLERANCE_M = 0.05
+_TRIPOD_SHARES = (0.25, 0.5, 0.75)
 _FREEDOM_WEIGHT = 0.3
 _FAR_ENOUGH_M = 4.0
 
@@ -29,7 +31,8 @@ class Setup:
     height_m
         Of the scanner over the floor.
     clearance_m, tripod_clearance_m
-        Least distance of the scanner, and of its tripod, to any surface.
+        Least distance of the scanner, and of its tripod, to any surface; no scanner stands nearer to the edge of its
+        room than the former, so none stands in a doorway.
     area_a_scan_m2
         A room gets at least one position for so much floor.
     seen_share
@@ -40,7 +43,7 @@ class Setup:
 
     height_m: float = 1.5
     clearance_m: float = 0.4
-    tripod_clearance_m: float = 0.2
+    tripod_clearance_m: float = 0.3
     area_a_scan_m2: float = 25.0
     seen_share: float = 0.95
     gain_share: float = 0.05
@@ -58,7 +61,7 @@ def _in_room(scene: Scene, room: Room, setup: Setup, solids: Caster, structure: 
     candidates, clearance = _free_places(room, setup, solids)
     if not len(candidates):
         return candidates
-    samples = _grid(room, _SAMPLE_STEP_M, room.floor_elevation + _SAMPLE_HEIGHT_M)
+    samples = _grid(room.polygon, _SAMPLE_STEP_M, room.floor_elevation + _SAMPLE_HEIGHT_M)
     seen = _visibility(structure, candidates, samples)
     chosen = _near_stairs(scene, room, candidates)
     _cover(chosen, seen, clearance, setup)
@@ -68,22 +71,24 @@ def _in_room(scene: Scene, room: Room, setup: Setup, solids: Caster, structure: 
 
 def _free_places(room: Room, setup: Setup, solids: Caster) -> tuple[F64, F64]:
     """Places on a grid in the room from which nothing is too near, under which is the floor, and their clearance."""
-    places = _grid(room, _CANDIDATE_STEP_M, room.floor_elevation + setup.height_m)
+    inner = room.polygon.buffer(-setup.clearance_m)
+    places = _grid(inner, _CANDIDATE_STEP_M, room.floor_elevation + setup.height_m)
     drop = solids.cast(places, np.broadcast_to([0.0, 0.0, -1.0], places.shape))[0]
     near = solids.distance(places).astype(np.float64)
-    near_tripod = solids.distance(places - [0.0, 0.0, setup.height_m / 2])
     free = (np.abs(drop - setup.height_m) < _FLOOR_TOLERANCE_M) & (near >= setup.clearance_m)
-    free &= near_tripod >= setup.tripod_clearance_m
+    for share in _TRIPOD_SHARES:
+        free &= solids.distance(places - [0.0, 0.0, share * setup.height_m]) >= setup.tripod_clearance_m
     return places[free], near[free]
 
 
-def _grid(room: Room, step: float, z: float) -> F64:
-    """Points of a grid, centred on the room, that lie in its plan polygon."""
-    polygon = room.polygon
-    x0, y0, x1, y1 = polygon.bounds
+def _grid(area: BaseGeometry, step: float, z: float) -> F64:
+    """Points of a grid, centred on an area of the plan, that lie in it."""
+    if area.is_empty:
+        return np.empty((0, 3))
+    x0, y0, x1, y1 = area.bounds
     xs, ys = ((low + high) / 2 + _symmetric(high - low, step) for low, high in ((x0, x1), (y0, y1)))
     plan = np.stack(np.meshgrid(xs, ys), axis=-1).reshape(-1, 2)
-    plan = plan[shapely.contains_xy(polygon, plan)]
+    plan = plan[shapely.contains_xy(area, plan)]
     return np.column_stack([plan, np.full(len(plan), z)])
 
 

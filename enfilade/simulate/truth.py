@@ -11,6 +11,7 @@ import enfilade
 from enfilade.clouds import LabelledCloud
 from enfilade.schema.graph import BuildingGraph
 
+from .adjacency import adjacent_rooms
 from .locate import Locator, rooms_of_surfaces
 from .scanner import Scan
 from .scene import OUTSIDE, Opening, Room, Scene
@@ -72,6 +73,9 @@ def truth_graph(scene: Scene, building: str, cloud: LabelledCloud, scan_rooms: d
     )
     _add_storeys(graph, scene)
     _add_rooms(graph, scene, cloud, scan_rooms)
+    for pair in adjacent_rooms(scene.rooms):
+        ends = (_room_id(graph, pair.first), _room_id(graph, pair.second))
+        graph.add_edge(ends[0], "NEIGHBOUR", ends[1], gap=pair.gap, area=pair.area)
     _add_openings(graph, scene)
     _add_furnishings(graph, scene, cloud)
     return graph

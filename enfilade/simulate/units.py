@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from shapely import Polygon
 
 from .casting import Caster
+from .polygons import largest_polygon, plan_samples
 from .scene import Room, Storey
 from .solids import F64, Mesh, merge
-from .spaces import Border, Space, borders_of, largest_polygon, plan_samples, sound_spaces, space_of, unite
+from .spaces import Border, Space, borders_of, sound_spaces, space_of, unite
 
 _LOOK_HEIGHT_M = 0.8
 _LEVEL_TOLERANCE_M = 0.6
