@@ -30,6 +30,10 @@ class Deadline:
             self._interrupted = True
             return True
 
+    def left_s(self) -> float | None:
+        """Seconds left, at least a thousandth; None without a limit."""
+        return None if self._limit_s is None else max(self._end - time.monotonic(), 0.001)
+
     def reason(self) -> BaseException:
         """Return what to raise after the engine has stopped."""
         if self._interrupted:

@@ -1,0 +1,162 @@
+"""A question and a store in, ranked rows out."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+from enfilade.stores.base import Store
+from enfilade.stores.deadline import Deadline
+
+from .binding import bind
+from .checks import resolve
+from .examples import Examples
+from .expansion import combining_objects
+from .explanation import Explanation
+from .kinds import Scope, check_kinds, scope_of, whole_scope
+from .parse import parse
+from .query_graph import Pattern, QueryGraph
+from .result import Result
+from .run.matches import Match
+from .run.matching import Matcher
+from .run.needs import needed_properties
+from .run.pruning import is_apart, likened_nodes, one_of_each, scored, uses_segments_once, without_overlap
+from .run.rows import check_rows, ranked, rows_of
+from .sayable import is_mixed
+from .symmetry import Symmetry, order_of_appearance, question_symmetries, smaller_first
+from .syntax import Subquery, walk
+
+
+def answer(
+    store: Store,
+    question: str | QueryGraph,
+    *,
+    parameters: Mapping[str, Any] | None = None,
+    likenesses: Mapping[str, Any] | None = None,
+    timeout_s: float | None = 60.0,
+    explain_only: bool = False,
+) -> Result:
+    """Answer a question.
+
+    Parameters
+    ----------
+    store
+        Where to look.
+    question
+        Text, or a query graph.
+    parameters
+        Values of ``$names``: None, truth values, numbers, texts, lists of these.
+    likenesses
+        Examples that LIKE names as parameters: a mesh or cloud file, ``object:ID``, or a shape.
+    timeout_s
+        Seconds after which to give up; None for never.
+    explain_only
+        Whether only to say what would be asked of the store.
+
+    Raises
+    ------
+    QuestionError
+        If the question cannot be understood.
+    NotFoundError, InputError
+        If an example is missing or cannot be read.
+    StoreError
+        If the store fails, or the time is over.
+    """
+    query = parse(question) if isinstance(question, str) else question
+    given = {**(parameters or {}), **(likenesses or {})}
+    query = bind(resolve(query), parameters or {}, given)
+    check_kinds(query)
+    check_rows(query)
+    answering = _Answering(store, query, Examples(store, given), Deadline(timeout_s), run=not explain_only)
+    rows = answering.rows()
+    columns = [column.name for column in query.columns]
+    return Result(columns, [dict(zip(columns, row, strict=True)) for row in rows], answering.explanation)
+
+
+class _Answering:
+    """The way of one question: matches, options, symmetry, scores, overlap, rows."""
+
+    def __init__(self, store: Store, query: QueryGraph, examples: Examples, deadline: Deadline, *, run: bool) -> None:
+        self._query = query
+        self._examples = examples
+        self._run = run
+        self._patterns = [query.pattern, *query.optional]
+        self.explanation = Explanation(store.url)
+        self._matcher = Matcher(
+            store,
+            examples,
+            combining_objects(query),
+            needed_properties(query),
+            deadline,
+            self.explanation,
+            run=run,
+        )
+
+    def rows(self) -> list[tuple[Any, ...]]:
+        with self._timed("symmetry of the question"):
+            symmetries = [] if self._query.keep_all else question_symmetries(self._query)
+        order = list(dict.fromkeys(name for pattern in self._patterns for name in order_of_appearance(pattern)))
+        matches = self._matches(symmetries, order)
+        with self._timed("scores, order, columns"):
+            return self._finished(matches, symmetries, order)
+
+    def _matches(self, symmetries: list[Symmetry], order: list[str]) -> list[Match]:
+        """All matches, options included, one of each set of symmetric ones."""
+        in_store = not self._query.optional and not any(is_mixed(edge) for edge in self._query.pattern.edges)
+        smaller = tuple(smaller_first(order, symmetries)) if in_store else ()
+        scope: Scope = {}
+        (matches,) = self._matcher.extended(self._query.pattern, scope, [Match({})], "MATCH", smaller)
+        scope = scope_of(self._query.pattern, scope)
+        for pattern in self._query.optional:
+            matches = self._with_option(matches, pattern, scope)
+            scope = scope_of(pattern, scope)
+        return matches if in_store else one_of_each(matches, order, symmetries)
+
+    def _with_option(self, matches: list[Match], pattern: Pattern, scope: Scope) -> list[Match]:
+        found = self._matcher.extended(pattern, scope, matches, "OPTIONAL MATCH")
+        names = [*(node.name for node in pattern.nodes), *(edge.name for edge in pattern.edges)]
+        missing = {name: None for name in names if name not in scope}
+        result: list[Match] = []
+        for match, extensions in zip(matches, found, strict=True):
+            fitting = [extension for extension in extensions if self._fits(extension, match)]
+            result += fitting or [Match(match.elements | missing)]
+        return result
+
+    def _fits(self, extended: Match, match: Match) -> bool:
+        """Whether what an option adds is none of what the match has, nor shares a segment with it."""
+        new = [name for name in extended.elements if name not in match.elements]
+        objects = [node.name for pattern in self._patterns for node in pattern.nodes if node.label == "Object"]
+        edges = [edge for pattern in self._patterns for edge in pattern.edges]
+        joined = [frozenset((edge.left, edge.right)) for edge in edges if "PART_OF" in edge.types]
+        return is_apart(extended, new, match.elements) and uses_segments_once(extended, objects, joined)
+
+    def _finished(self, matches: list[Match], symmetries: list[Symmetry], order: list[str]) -> list[tuple[Any, ...]]:
+        likened = likened_nodes(self._patterns)
+        meanings = whole_scope(self._query)
+        named = [name for name in order if not name.startswith("#") and meanings[name].is_node]
+        rest = [name for name in order if name not in named]
+        self._answer_columns(matches)
+        matches = scored(matches, likened, self._examples)
+        self.explanation.counts["matches"] = len(matches)
+        if likened and not self._query.keep_all:
+            matches = without_overlap(matches, [*named, *rest], likened, symmetries)
+            self.explanation.counts["matches that overlap no better one"] = len(matches)
+        self.explanation.counts["distances computed"] = self._examples.compared
+        if not self._run:
+            return []
+        return rows_of(self._query, ranked(matches, named, rest), named, self._examples)
+
+    def _answer_columns(self, matches: list[Match]) -> None:
+        """Answer the subqueries in RETURN and ORDER BY."""
+        expressions = (*(c.expression for c in self._query.columns), *(k.expression for k in self._query.order))
+        for part in (part for expression in expressions for part in walk(expression)):
+            if isinstance(part, Subquery):
+                self._matcher.answer(part, matches, whole_scope(self._query))
+
+    @contextmanager
+    def _timed(self, what: str) -> Iterator[None]:
+        start = time.perf_counter()
+        yield
+        self.explanation.seconds[what] = time.perf_counter() - start

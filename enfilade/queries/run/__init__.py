@@ -1,0 +1,1 @@
+"""Running a question: statements to rows, rows to matches, matches to a ranked answer."""

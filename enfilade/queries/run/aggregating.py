@@ -1,0 +1,125 @@
+"""Cypher's grouping: rows that agree in what is not aggregated become one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, Final
+
+from enfilade.errors import QuestionError
+
+from ..examples import Examples, number_of
+from ..query_graph import Column
+from ..syntax import Call, Expression, Literal, PropertyOf, Variable, aggregates, children, is_aggregate, rebuilt
+from .matches import Match
+from .values import plain, value_of
+
+
+def check_grouping(columns: Sequence[Column]) -> None:
+    """Check that what stands beside an aggregate in one column is a column of its own.
+
+    Raises
+    ------
+    QuestionError
+        If it is not: it would have many values in a group.
+    """
+    keys = {column.expression for column in columns if not aggregates(column.expression)}
+    for column in columns:
+        if aggregates(column.expression) and not _grouped(column.expression, keys):
+            raise QuestionError(
+                f'"{column.name}" mixes an aggregate with what is no column of its own; return that too.'
+            )
+
+
+def _grouped(expression: Expression, keys: set[Expression]) -> bool:
+    if expression in keys or is_aggregate(expression):
+        return True
+    if isinstance(expression, Variable | PropertyOf):
+        return isinstance(expression, PropertyOf) and Variable(expression.variable) in keys
+    return all(_grouped(part, keys) for part in children(expression))
+
+
+def grouped(matches: Sequence[Match], columns: Sequence[Column], examples: Examples) -> list[tuple[Any, ...]]:
+    """Return one row a group, in the order in which the groups appear.
+
+    Without a column that is not aggregated there is one group, even of no matches.
+    """
+    keys = [column for column in columns if not aggregates(column.expression)]
+    groups: dict[Any, list[Match]] = {} if keys else {(): []}
+    for match in matches:
+        values = tuple(hashable(value_of(column.expression, match, examples)) for column in keys)
+        groups.setdefault(values, []).append(match)
+    return [tuple(_column(column, group, examples) for column in columns) for group in groups.values()]
+
+
+def hashable(value: Any) -> Any:
+    """Return a value as a key that equals another one when the values are the same to DISTINCT."""
+    value = plain(value)
+    if isinstance(value, list):
+        return tuple(map(hashable, value))
+    return (type(value).__name__, value) if isinstance(value, bool) else value
+
+
+def _column(column: Column, group: Sequence[Match], examples: Examples) -> Any:
+    expression = _with_values(column.expression, group, examples)
+    return plain(value_of(expression, group[0] if group else Match({}), examples))
+
+
+def _with_values(expression: Expression, group: Sequence[Match], examples: Examples) -> Expression:
+    """Put in the values of the aggregates."""
+    if isinstance(expression, Call) and is_aggregate(expression):
+        value = _aggregate(expression, group, examples)
+        return Literal(tuple(value) if isinstance(value, list) else value)
+    return (
+        rebuilt(expression, lambda part: _with_values(part, group, examples)) if aggregates(expression) else expression
+    )
+
+
+def _aggregate(call: Call, group: Sequence[Match], examples: Examples) -> Any:
+    if not call.arguments:
+        return len(group)
+    values = [value_of(call.arguments[0], match, examples) for match in group]
+    present = [plain(value) for value in values if value is not None]
+    if call.distinct:
+        present = list({hashable(value): value for value in reversed(present)}.values())[::-1]
+    if call.function == "percentileCont":
+        return _percentile(present, number_of(call.arguments[1]))
+    return _AGGREGATES[call.function](present)
+
+
+def _sum(values: list[Any]) -> Any:
+    return sum(values) if all(isinstance(value, int) for value in values) else math.fsum(values)
+
+
+def _average(values: list[Any]) -> float | None:
+    return math.fsum(values) / len(values) if values else None
+
+
+def _deviation(values: list[Any]) -> float:
+    """Standard deviation of a sample; 0 where there are fewer than two values."""
+    if len(values) < 2:
+        return 0.0
+    mean = math.fsum(values) / len(values)
+    return math.sqrt(math.fsum((value - mean) ** 2 for value in values) / (len(values) - 1))
+
+
+def _percentile(values: list[Any], share: float) -> float | None:
+    """The value below which a share of the values lies, interpolated."""
+    if not values:
+        return None
+    ordered = sorted(values)
+    place = share * (len(ordered) - 1)
+    low = math.floor(place)
+    high = min(low + 1, len(ordered) - 1)
+    return float(ordered[low] + (ordered[high] - ordered[low]) * (place - low))
+
+
+_AGGREGATES: Final[dict[str, Callable[[list[Any]], Any]]] = {
+    "count": len,
+    "sum": _sum,
+    "avg": _average,
+    "min": lambda values: min(values, default=None),
+    "max": lambda values: max(values, default=None),
+    "collect": list,
+    "stDev": _deviation,
+}

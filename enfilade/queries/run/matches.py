@@ -1,0 +1,58 @@
+"""A match: what each name of the question stands for in one place of the store."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(slots=True)
+class Element:
+    """A node or a stored edge, with those of its properties that the question needs.
+
+    `id` is a node's id; for an edge it is what the engine tells it by, which is good for one answer only.
+    """
+
+    id: Any
+    is_node: bool
+    properties: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def building(self) -> str:
+        """Id of the node's building, which its own begins with."""
+        return str(self.id).partition("/")[0]
+
+    @property
+    def segments(self) -> frozenset[str]:
+        """Ids of an object's segments; one that names none is its own."""
+        return frozenset(self.properties.get("segments") or (self.id,))
+
+
+@dataclass(slots=True)
+class Match:
+    """One way to find the pattern.
+
+    Attributes
+    ----------
+    elements
+        What is behind each name; None behind the names of an OPTIONAL MATCH that found nothing.
+    answers
+        Results of subqueries that the store did not test, by the subquery's identity.
+    score, mean_score
+        Likeness; set when all elements are known.
+    """
+
+    elements: dict[str, Element | None]
+    answers: dict[int, bool | int] = field(default_factory=dict)
+    score: float = 0.0
+    mean_score: float = 0.0
+
+    def id_of(self, name: str) -> Any:
+        """Id of the element behind a name, or None."""
+        element = self.elements.get(name)
+        return None if element is None else element.id
+
+    @property
+    def building(self) -> str:
+        """Id of the building that the match lies in."""
+        return next(e.building for e in self.elements.values() if e is not None and e.is_node)

@@ -1,0 +1,228 @@
+"""Matches of a pattern, or ways to extend matches by another one: a statement for the store, and what it left over.
+
+One method does it all. The MATCH of a question extends the empty match; an OPTIONAL MATCH extends each match so
+far; a subquery that the store cannot test is extended too, and its extensions counted.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+from enfilade.schema.definition import EDGE_PROPERTIES, NODE_PROPERTIES
+from enfilade.schema.definition import Property as SchemaProperty
+from enfilade.stores.base import Store
+from enfilade.stores.deadline import Deadline
+
+from ..compile_cypher import compile_cypher
+from ..compile_sql import compile_sql
+from ..compiler import Compiled, GivenIds, LikeIds, Search, Wanted
+from ..examples import Examples
+from ..expansion import Expansion, expansions, given_nodes
+from ..explanation import Explanation, step_of
+from ..kinds import Scope, scope_of
+from ..query_graph import Pattern
+from ..symmetry import Symmetry, inner_symmetries, order_of_appearance
+from ..syntax import Expression, Subquery, walk
+from .decoding import decoded
+from .matches import Element, Match
+from .needs import split_conditions
+from .pruning import likened_nodes, one_of_each, scored, without_overlap
+from .values import value_of
+
+Pairs = tuple[tuple[str, str], ...]
+
+
+class Matcher:
+    """Finds the matches of patterns in a store.
+
+    Parameters
+    ----------
+    store
+        Where to look.
+    examples
+        What LIKE refers to.
+    combining
+        Names of objects that may be combinations.
+    needed
+        Properties to fetch, by the name of the element.
+    deadline
+        When to give up.
+    explanation
+        Hears of every statement.
+    run
+        Whether to run the statements; else they are only written.
+    """
+
+    def __init__(
+        self,
+        store: Store,
+        examples: Examples,
+        combining: frozenset[str],
+        needed: Mapping[str, set[str]],
+        deadline: Deadline,
+        explanation: Explanation,
+        *,
+        run: bool,
+    ) -> None:
+        self._store = store
+        self._examples = examples
+        self._combining = combining
+        self._needed = needed
+        self._deadline = deadline
+        self._explanation = explanation
+        self._run = run
+        self._nodes: dict[str, Element] = {}
+
+    def extended(
+        self, pattern: Pattern, outer: Scope, matches: Sequence[Match], title: str, smaller: Pairs = ()
+    ) -> list[list[Match]]:
+        """Return the extensions of each match by a pattern, its WHERE included.
+
+        Parameters
+        ----------
+        pattern
+            Resolved and bound.
+        outer
+            What the names of the matches mean.
+        matches
+            What is to be extended; ``[Match({})]`` to begin with.
+        title
+            How an explanation calls it.
+        smaller
+            Pairs of elements of which the first must have the smaller id.
+        """
+        scope = scope_of(pattern, outer)
+        given = given_nodes(pattern, outer)
+        told, after = split_conditions(pattern, scope)
+        groups: dict[Any, list[dict[str, Element]]] = {}
+        for expansion in expansions(pattern, outer, self._combining):
+            search = Search(expansion, scope, told, self._columns(expansion), smaller, self._combining)
+            for found in self._found(search, after, title, self._given_ids(given, matches)):
+                key = self._key(given, found) if outer else None
+                groups.setdefault(key, []).append({n: e for n, e in found.items() if n not in given})
+        extensions = [
+            [Match(match.elements | found) for found in groups.get(self._key_of(given, match, outer), ())]
+            for match in matches
+        ]
+        return self._tested(extensions, after, scope)
+
+    def _given_ids(self, given: Sequence[str], matches: Sequence[Match]) -> dict[str, list[str]]:
+        ids = {name: {match.id_of(name) for match in matches} - {None} for name in given}
+        return {name: sorted(found) for name, found in ids.items()}
+
+    @staticmethod
+    def _key(given: Sequence[str], found: Mapping[str, Element]) -> Any:
+        """What a row shares with the matches that it extends: the nodes they both name, or the building."""
+        if given:
+            return tuple(found[name].id for name in given)
+        return next(element.building for element in found.values() if element.is_node)
+
+    @staticmethod
+    def _key_of(given: Sequence[str], match: Match, outer: Scope) -> Any:
+        if not outer:
+            return None
+        return tuple(match.id_of(name) for name in given) if given else match.building
+
+    def _columns(self, expansion: Expansion) -> tuple[Wanted, ...]:
+        columns = []
+        for element in (*expansion.points, *expansion.links):
+            extra = sorted(self._needed.get(element.name, set()) - {"id"})
+            columns += [Wanted(element.name, name) for name in ("id", *extra)]
+        return tuple(columns)
+
+    # Statements and rows
+
+    def _found(
+        self, search: Search, after: tuple[Expression, ...], title: str, given: Mapping[str, list[str]]
+    ) -> Iterator[dict[str, Element]]:
+        compiled = compile_sql(search) if self._store.dialect == "sql" else compile_cypher(search)
+        step = step_of(title, compiled, after)
+        self._explanation.steps.append(step)
+        if not self._run:
+            return
+        start = time.perf_counter()
+        step.rows = step.kept = 0
+        limits = self._limits(search.expansion)
+        for row in self._store.rows(compiled.text, self._filled(compiled, given), timeout_s=self._deadline.left_s()):
+            step.rows += 1
+            elements = self._elements(search, row)
+            if all(elements[name].id in ids for name, ids in limits.items()):
+                step.kept += 1
+                yield elements
+        step.seconds = time.perf_counter() - start
+
+    def _limits(self, expansion: Expansion) -> dict[str, Mapping[str, float]]:
+        """Objects that may stand behind each likened node."""
+        return {p.name: self._examples.within(p.likeness) for p in expansion.points if p.likeness is not None}
+
+    def _filled(self, compiled: Compiled, given: Mapping[str, list[str]]) -> dict[str, Any]:
+        """Return the parameters with lists of ids in place of what stands for them."""
+        return {name: self._filled_value(value, given) for name, value in compiled.parameters.items()}
+
+    def _filled_value(self, value: Any, given: Mapping[str, list[str]]) -> Any:
+        if isinstance(value, LikeIds):
+            ids = list(self._examples.within(value.likeness))
+        elif isinstance(value, GivenIds):
+            ids = given[value.name]
+        else:
+            return value
+        return json.dumps(ids) if self._store.dialect == "sql" else ids
+
+    def _elements(self, search: Search, row: Sequence[Any]) -> dict[str, Element]:
+        elements: dict[str, Element] = {}
+        types = {link.name: EDGE_PROPERTIES[link.type] for link in search.expansion.links}
+        labels = {point.name: NODE_PROPERTIES[point.label] for point in search.expansion.points}
+        for column, value in zip(search.columns, row, strict=True):
+            name = column.element
+            if column.property == "id":
+                elements[name] = self._node(value) if name in labels else Element(value, is_node=False)
+                if name in labels:
+                    elements[name].properties["id"] = value
+                continue
+            known: Mapping[str, SchemaProperty] = labels.get(name) or types[name]
+            elements[name].properties[column.property] = decoded(value, known[column.property].kind)
+        return elements
+
+    def _node(self, id: str) -> Element:
+        """One element a node, in whatever match it stands."""
+        if id not in self._nodes:
+            self._nodes[id] = Element(id, is_node=True)
+        return self._nodes[id]
+
+    # Conditions that the store does not test
+
+    def _tested(self, extensions: list[list[Match]], after: Sequence[Expression], scope: Scope) -> list[list[Match]]:
+        for condition in after:
+            everyone = [match for found in extensions for match in found]
+            for part in walk(condition):
+                if isinstance(part, Subquery):
+                    self.answer(part, everyone, scope)
+            if self._run:
+                extensions = [
+                    [match for match in found if value_of(condition, match, self._examples) is True]
+                    for found in extensions
+                ]
+        return extensions
+
+    def answer(self, subquery: Subquery, matches: Sequence[Match], scope: Scope) -> None:
+        """Note the result of a subquery in each match."""
+        pattern = subquery.pattern
+        found = self.extended(pattern, scope, matches, f"{subquery.kind} {{ }}")
+        if subquery.kind == "exists":
+            for match, extensions in zip(matches, found, strict=True):
+                match.answers[id(subquery)] = bool(extensions)
+            return
+        symmetries = inner_symmetries(pattern, scope)
+        for match, extensions in zip(matches, found, strict=True):
+            match.answers[id(subquery)] = len(self._counted(pattern, extensions, symmetries))
+
+    def _counted(self, pattern: Pattern, matches: Iterable[Match], symmetries: Sequence[Symmetry]) -> list[Match]:
+        kept = one_of_each(matches, order_of_appearance(pattern), symmetries)
+        likened = likened_nodes([pattern])
+        if not likened:
+            return kept
+        order = order_of_appearance(pattern)
+        return without_overlap(scored(kept, likened, self._examples), order, likened, symmetries)

@@ -1,0 +1,49 @@
+"""Which properties of which elements must come back from the store, because something is done with them after it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ..kinds import Scope, scope_of, whole_scope
+from ..query_graph import Pattern, QueryGraph
+from ..sayable import sayable
+from ..syntax import Expression, PropertyOf, Subquery, conjuncts, walk
+
+
+def needed_properties(query: QueryGraph) -> dict[str, set[str]]:
+    """Return the properties to fetch, by the name of the element."""
+    found: dict[str, set[str]] = {}
+    for variable, name in _uses(query):
+        found.setdefault(variable, set()).add(name)
+    return found
+
+
+def split_conditions(pattern: Pattern, scope: Scope) -> tuple[tuple[Expression, ...], tuple[Expression, ...]]:
+    """Return the conditions that the store tests, and those that are tested after it."""
+    parts = conjuncts(pattern.where)
+    return tuple(p for p in parts if sayable(p, scope)), tuple(p for p in parts if not sayable(p, scope))
+
+
+def _uses(query: QueryGraph) -> Iterator[tuple[str, str]]:
+    scope: Scope = {}
+    for pattern in (query.pattern, *query.optional):
+        yield from _in_pattern(pattern, scope)
+        scope = scope_of(pattern, scope)
+    whole = whole_scope(query)
+    for expression in (*(c.expression for c in query.columns), *(k.expression for k in query.order)):
+        yield from _in_expression(expression, whole)
+
+
+def _in_pattern(pattern: Pattern, outer: Scope) -> Iterator[tuple[str, str]]:
+    scope = scope_of(pattern, outer)
+    yield from ((node.name, "segments") for node in pattern.nodes if node.label == "Object")
+    for condition in split_conditions(pattern, scope)[1]:
+        yield from _in_expression(condition, scope)
+
+
+def _in_expression(expression: Expression, scope: Scope) -> Iterator[tuple[str, str]]:
+    for part in walk(expression):
+        if isinstance(part, PropertyOf):
+            yield part.variable, part.name
+        elif isinstance(part, Subquery):
+            yield from _in_pattern(part.pattern, scope)

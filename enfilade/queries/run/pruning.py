@@ -1,0 +1,123 @@
+"""Which matches stay: one of each set of symmetric ones, no two that overlap; and what each scores."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import combinations
+from typing import Any, Final
+
+from ..examples import Examples, number_of
+from ..query_graph import Likeness, Pattern
+from ..symmetry import Symmetry
+from .matches import Element, Match
+
+GREATEST_DISTANCE: Final = 2.0
+"""What an optional node that is missing costs without a limit."""
+
+_SCORE_DECIMALS: Final = 6
+
+Likened = Mapping[str, Likeness]
+
+
+def likened_nodes(patterns: Iterable[Pattern]) -> dict[str, Likeness]:
+    """Nodes with LIKE, by name."""
+    return {node.name: node.likeness for p in patterns for node in p.nodes if node.likeness is not None}
+
+
+def scored(matches: list[Match], likened: Likened, examples: Examples) -> list[Match]:
+    """Set the score of each match: the sum of its distances, turned negative, and the mean."""
+    for match in matches:
+        total = sum(_distance(match, name, likeness, examples) for name, likeness in likened.items())
+        match.score = round(-total, _SCORE_DECIMALS) + 0.0  # not -0.0
+        match.mean_score = round(-total / max(len(likened), 1), _SCORE_DECIMALS) + 0.0
+    return matches
+
+
+def _distance(match: Match, name: str, likeness: Likeness, examples: Examples) -> float:
+    id = match.id_of(name)
+    if id is not None:
+        return examples.distances(likeness)[id]
+    return GREATEST_DISTANCE if likeness.within is None else number_of(likeness.within)
+
+
+def ids_key(match: Match, names: Sequence[str]) -> tuple[tuple[bool, Any], ...]:
+    """What the ids of elements sort by; a missing one comes last."""
+    return tuple((id is None, "" if id is None else id) for id in map(match.id_of, names))
+
+
+def one_of_each(matches: Iterable[Match], order: Sequence[str], symmetries: Sequence[Symmetry]) -> list[Match]:
+    """Keep, of matches that differ only by a symmetry, the one with the smallest ids in order of appearance."""
+    return [match for match in matches if all(_is_smaller(match, order, symmetry) for symmetry in symmetries)]
+
+
+def _is_smaller(match: Match, order: Sequence[str], symmetry: Symmetry) -> bool:
+    for name in order:
+        own, image = match.elements.get(name), match.elements.get(symmetry.get(name, name))
+        if own is not image:
+            return _rank(own) < _rank(image)
+    return True
+
+
+def _rank(element: Element | None) -> tuple[int, Any]:
+    if element is None:
+        return 2, ""
+    return (0 if element.is_node else 1), element.id
+
+
+def without_overlap(
+    matches: list[Match], order: Sequence[str], likened: Likened, symmetries: Sequence[Symmetry]
+) -> list[Match]:
+    """Keep the best of matches that agree but for likened objects that share segments (§6.2, §7)."""
+    ranked = sorted(matches, key=lambda match: (-match.score, ids_key(match, order)))
+    objects = [name for name in order if name in likened]
+    nodes = [name for name in order if name not in likened and _is_node(matches, name)]
+    kept: list[Match] = []
+    seen: dict[Any, list[list[frozenset[str]]]] = {}
+    for match in ranked:
+        own = [_segments(match, name) for name in objects]
+        if any(_share(own, other) for key in _keys(match, nodes, own) for other in seen.get(key, ())):
+            continue
+        kept.append(match)
+        for image in ({}, *symmetries):
+            turned = [_segments(match, image.get(name, name)) for name in objects]
+            for key in _keys(match, [image.get(name, name) for name in nodes], turned):
+                seen.setdefault(key, []).append(turned)
+    return kept
+
+
+def _is_node(matches: Sequence[Match], name: str) -> bool:
+    """Whether a name stands for a node; parallel edges alone make no other match here."""
+    return any(e is not None and e.is_node for e in (match.elements.get(name) for match in matches))
+
+
+def _segments(match: Match, name: str) -> frozenset[str]:
+    element = match.elements[name]
+    return frozenset([""]) if element is None else element.segments
+
+
+def _keys(match: Match, nodes: Sequence[str], segments: Sequence[frozenset[str]]) -> Iterator[Any]:
+    """Where to look for matches that may overlap: all other nodes, and one segment of the first object."""
+    rest = tuple(match.id_of(name) for name in nodes)
+    yield from ((rest, segment) for segment in segments[0])
+
+
+def _share(own: Sequence[frozenset[str]], other: Sequence[frozenset[str]]) -> bool:
+    return all(a & b for a, b in zip(own, other, strict=True))
+
+
+def is_apart(match: Match, names: Iterable[str], others: Iterable[str]) -> bool:
+    """Whether no element behind `names` is one behind `others`."""
+    taken = {_rank(match.elements[name]) for name in others if match.elements.get(name) is not None}
+    return not any(_rank(match.elements[name]) in taken for name in names if match.elements.get(name) is not None)
+
+
+def uses_segments_once(match: Match, objects: Iterable[str], joined: Iterable[frozenset[str]]) -> bool:
+    """Whether no two objects share a segment, but those that the question joins by PART_OF."""
+    allowed = set(joined)
+    present = [(name, match.elements[name]) for name in objects if match.elements.get(name) is not None]
+    for (a, first), (b, second) in combinations(present, 2):
+        assert first is not None
+        assert second is not None
+        if frozenset((a, b)) not in allowed and first.segments & second.segments:
+            return False
+    return True

@@ -1,0 +1,172 @@
+"""From matches to the rows of the answer: values, DISTINCT, order, SKIP and LIMIT."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from enfilade.errors import UnsupportedError
+
+from ..examples import Examples
+from ..query_graph import QueryGraph
+from ..syntax import Expression, Literal, Variable, aggregates, rebuilt
+from .aggregating import check_grouping, grouped, hashable
+from .matches import Match
+from .pruning import ids_key
+from .values import plain, value_of
+
+
+@dataclass(slots=True)
+class _Row:
+    """A row of the answer, what it is ordered by, and the building that it counts for."""
+
+    values: tuple[Any, ...]
+    key: tuple[Any, ...]
+    building: str | None
+
+
+def ranked(matches: list[Match], named: Sequence[str], rest: Sequence[str]) -> list[Match]:
+    """Matches by score, best first; ties by the ids of the named nodes, then of everything else."""
+    order = [*named, *rest]
+    return sorted(matches, key=lambda match: (-match.score, ids_key(match, order)))
+
+
+def check_rows(query: QueryGraph) -> None:
+    """Check what can be said of the rows before there are any.
+
+    Raises
+    ------
+    QuestionError
+        If a column mixes an aggregate with what is not grouped.
+    UnsupportedError
+        If rows are limited by building, but are of none.
+    """
+    check_grouping(query.columns)
+    if query.per_building is not None and _aggregated(query):
+        raise UnsupportedError(
+            "PER BUILDING does not go with aggregates, whose rows are of no one building; use LIMIT."
+        )
+
+
+def rows_of(query: QueryGraph, matches: list[Match], named: Sequence[str], examples: Examples) -> list[tuple[Any, ...]]:
+    """Return the rows of the answer, one tuple each.
+
+    Parameters
+    ----------
+    query
+        Resolved and bound.
+    matches
+        As `ranked` gives them.
+    named
+        Names of the named nodes, by which ties are broken.
+    examples
+        What like() refers to.
+    """
+    if _aggregated(query):
+        values = grouped(matches, query.columns, examples)
+        rows = [_Row(row, _key_of_values(query, row, examples), None) for row in values]
+    else:
+        rows = [_row(query, match, named, examples) for match in matches]
+        if query.distinct:
+            rows = _distinct(rows)
+    rows.sort(key=lambda row: row.key)
+    kept = _per_building(rows, _number(query.per_building))
+    start, count = _number(query.skip) or 0, _number(query.limit)
+    return [row.values for row in kept[start : None if count is None else start + count]]
+
+
+def _aggregated(query: QueryGraph) -> bool:
+    return any(aggregates(column.expression) for column in query.columns)
+
+
+def _row(query: QueryGraph, match: Match, named: Sequence[str], examples: Examples) -> _Row:
+    values = tuple(plain(value_of(column.expression, match, examples)) for column in query.columns)
+    if query.distinct:
+        return _Row(values, _key_of_values(query, values, examples), match.building)
+    asked = [_directed(value_of(k.expression, match, examples), k.descending) for k in query.order]
+    score = () if query.order else (-match.score,)
+    return _Row(values, (*asked, *score, ids_key(match, named), *map(sortable, values)), match.building)
+
+
+def _distinct(rows: Iterable[_Row]) -> list[_Row]:
+    found: dict[Any, _Row] = {}
+    for row in rows:
+        found.setdefault(hashable(list(row.values)), row)
+    return list(found.values())
+
+
+def _key_of_values(query: QueryGraph, values: tuple[Any, ...], examples: Examples) -> tuple[Any, ...]:
+    """What a row without a match of its own sorts by: ORDER BY, then the score, then column by column."""
+    by_expression = {c.expression: value for c, value in zip(query.columns, values, strict=True)}
+    asked = [
+        _directed(value_of(_with_columns(k.expression, by_expression), Match({}), examples), k.descending)
+        for k in query.order
+    ]
+    scores = [_directed(by_expression[score], True) for score in (Variable("score"),) if score in by_expression]
+    return (*asked, *scores, *map(sortable, values))
+
+
+def _with_columns(expression: Expression, values: dict[Expression, Any]) -> Expression:
+    """Put in the values of columns; a property of a returned node is fetched as a column is."""
+    if expression in values:
+        value = values[expression]
+        return Literal(tuple(value) if isinstance(value, list) else value)
+    return rebuilt(expression, lambda part: _with_columns(part, values))
+
+
+def _directed(value: Any, descending: bool) -> Any:
+    missing, *key = sortable(value)
+    return missing, (_Reversed(key) if descending else key)
+
+
+def sortable(value: Any) -> tuple[bool, int, Any]:
+    """Return what a value sorts by: missing ones last, numbers apart from texts, not-a-number behind all numbers."""
+    value = plain(value)
+    if value is None:
+        return True, 0, 0
+    if isinstance(value, list):
+        return False, 3, [sortable(item) for item in value]
+    if isinstance(value, str):
+        return False, 0, value
+    if isinstance(value, bool):
+        return False, 1, value
+    return False, 2, (math.isnan(value), 0 if math.isnan(value) else value)
+
+
+class _Reversed:
+    """Sorts the other way round."""
+
+    __slots__ = ("_key",)
+
+    def __init__(self, key: Any) -> None:
+        self._key = key
+
+    def __lt__(self, other: _Reversed) -> bool:
+        return bool(other._key < self._key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Reversed) and bool(self._key == other._key)
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def _per_building(rows: list[_Row], count: int | None) -> list[_Row]:
+    if count is None:
+        return rows
+    seen: dict[str | None, int] = {}
+    kept = []
+    for row in rows:
+        seen[row.building] = seen.get(row.building, 0) + 1
+        if seen[row.building] <= count:
+            kept.append(row)
+    return kept
+
+
+def _number(expression: Expression | None) -> int | None:
+    if expression is None:
+        return None
+    assert isinstance(expression, Literal)
+    assert isinstance(expression.value, int)
+    return expression.value
