@@ -9,6 +9,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from enfilade.errors import InputError
+
 from .records import F32, I32
 
 I64 = NDArray[np.int64]

@@ -7,11 +7,12 @@ from dataclasses import dataclass, field
 from enfilade.descriptors import DEFAULT_LAYOUT, Layout
 
 from .groups import GroupParameters
-from .measures import MeasureParameters
+from .inside import InsideParameters
 from .neighbours import NeighbourParameters
 from .objects import ObjectParameters
 from .openings import OpeningParameters
 from .planes import PlaneParameters
+from .plans import RoomPlanParameters
 from .rooms import RoomParameters
 from .storeys import StoreyParameters
 from .surfels import SurfelParameters
@@ -27,7 +28,8 @@ class Parameters:
     planes: PlaneParameters = field(default_factory=PlaneParameters)
     groups: GroupParameters = field(default_factory=GroupParameters)
     rooms: RoomParameters = field(default_factory=RoomParameters)
-    measures: MeasureParameters = field(default_factory=MeasureParameters)
+    plans: RoomPlanParameters = field(default_factory=RoomPlanParameters)
+    inside: InsideParameters = field(default_factory=InsideParameters)
     storeys: StoreyParameters = field(default_factory=StoreyParameters)
     neighbours: NeighbourParameters = field(default_factory=NeighbourParameters)
     openings: OpeningParameters = field(default_factory=OpeningParameters)

@@ -14,12 +14,14 @@ from enfilade.schema.graph import BuildingGraph
 from .assembly import Findings, assemble_cloud, assemble_graph
 from .grouping_table import read_grouping
 from .groups import group_scans
+from .inside import keep_inside
 from .measures import measure_rooms
 from .neighbours import find_neighbours
 from .objects import find_objects
 from .openings import find_openings
 from .parameters import Parameters
 from .planes import find_planes
+from .plans import draw_plans
 from .provenance import provenance
 from .readers import read_scans, scan_files
 from .rooms import label_rooms
@@ -92,7 +94,9 @@ def ingest(
     watch.start("rooms", 1.0)
     labels = label_rooms(surfels, planes, groups, parameters.rooms, progress=watch)
     watch.start("measures")
-    rooms = measure_rooms(cloud, surfels, planes, labels, parameters.measures)
+    plans = draw_plans(cloud, surfels, planes, labels, parameters.plans)
+    labels = keep_inside(surfels, labels, plans, parameters.inside)
+    rooms = measure_rooms(cloud, surfels, labels, plans)
     storeys = find_storeys(rooms, parameters.storeys)
     watch.start("neighbours")
     neighbours = find_neighbours(surfels, planes, labels, rooms, parameters.neighbours)

@@ -186,6 +186,32 @@ class RoomLabels:
 
 
 @dataclass(frozen=True, slots=True)
+class Plan:
+    """A room seen from above, with its floor and ceiling; metres.
+
+    Attributes
+    ----------
+    area
+        m².
+    centre
+        ``(2,)``.
+    outline
+        Rings ``(K, 2)``, the outer one first.
+    floor_elevation, ceiling_elevation
+        None for a ceiling that is not level or was not seen.
+    floor_plane
+        Number of the floor's plane, -1 for none.
+    """
+
+    area: float
+    centre: F64
+    outline: tuple[F64, ...]
+    floor_elevation: float
+    ceiling_elevation: float | None
+    floor_plane: int
+
+
+@dataclass(frozen=True, slots=True)
 class Room:
     """What was measured of one room; lengths in metres, relative to the origin.
 

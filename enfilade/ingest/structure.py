@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enfilade.native import open3d
+
 from .records import F32, I32, Bitmap, Bool, Planes
 
 I64 = NDArray[np.int64]

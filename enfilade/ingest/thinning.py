@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from enfilade.errors import InputError
 from enfilade.progress import Progress, Silent
+
 from .records import F32, F64, I32, Scan, ThinnedCloud
 
 _SILENT: Final = Silent()

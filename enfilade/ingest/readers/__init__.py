@@ -8,6 +8,7 @@ from typing import Final
 
 from enfilade.errors import InputError
 from enfilade.ingest.records import Scan
+
 from . import e57
 
 Reader = Callable[[Path], Iterator[Scan]]

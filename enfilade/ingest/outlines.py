@@ -1,0 +1,150 @@
+"""The outline of one room: what its ceiling and floor and the rays of its scanners cover, up to its walls."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numba import njit
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from .records import F32, F64, Bool
+
+I64 = NDArray[np.int64]
+UInt8 = NDArray[np.uint8]
+
+_FREE, _COVERED, _WALL = 0, 1, 2
+_CROSS = ndimage.generate_binary_structure(2, 1)
+_SQUARE = ndimage.generate_binary_structure(2, 2)
+
+
+@dataclass(frozen=True, slots=True)
+class OutlineParameters:
+    """How an outline is drawn.
+
+    Attributes
+    ----------
+    cell_m
+        Side of the grid's cells (c of §4).
+    gap_m
+        Gaps in what is covered are closed up to this width.
+    hole_m2
+        Holes in what is covered are filled up to this area: what stands in the shadow of furniture.
+    tolerance_m
+        How far the simplified outline may stray.
+    """
+
+    cell_m: float = 0.05
+    gap_m: float = 0.30
+    hole_m2: float = 1.0
+    tolerance_m: float = 0.06
+
+
+@dataclass(frozen=True, slots=True)
+class Outline:
+    """What is covered: m², centre ``(2,)`` and rings ``(K, 2)``, the outer one first, metres."""
+
+    area: float
+    centre: F64
+    rings: tuple[F64, ...]
+
+
+def draw_outline(
+    level: F32, walls: F32, scanners: F32, sights: F32, parameters: OutlineParameters = OutlineParameters()
+) -> Outline:
+    """Draw the outline of a room.
+
+    Cells count that hold a horizontal surfel, as in §4, or that a ray to the room's own surfels crosses, for far
+    floors are hit sparsely. Rays and cells end at the walls, of which only the strip under the ceiling is looked at:
+    there, lintels close the doors and windows. A wall's face runs through its cells, so half of these count.
+
+    Parameters
+    ----------
+    level
+        ``(n, 2)`` horizontal surfels of the room.
+    walls
+        ``(w, 2)`` surfels of its walls under the ceiling.
+    scanners, sights
+        ``(r, 2)`` scanners and the room's surfels that they measured, pair by pair.
+    """
+    cell_m = parameters.cell_m
+    margin = int(np.ceil(parameters.gap_m / cell_m)) + 2
+    extent = np.concatenate([level, walls, sights])
+    low = np.floor(extent.min(axis=0).astype(np.float64) / cell_m).astype(np.int64) - margin
+    shape = np.floor(extent.max(axis=0).astype(np.float64) / cell_m).astype(np.int64) - low + margin + 1
+    wall = _closed(_drawn(walls, low, shape, cell_m), 1)
+    cells = np.where(wall, _WALL, np.where(_drawn(level, low, shape, cell_m), _COVERED, _FREE)).astype(np.uint8)
+    _sweep(cells, _in_cells(scanners, low, cell_m), _in_cells(sights, low, cell_m))
+    inside = _inside(cells, np.unique(_in_cells(scanners, low, cell_m).astype(np.int64), axis=0), parameters)
+    edge = wall & ndimage.binary_dilation(inside, _CROSS, iterations=2)
+    weight = inside + 0.5 * edge
+    centre = (np.array(ndimage.center_of_mass(weight)) + low + 0.5) * cell_m
+    return Outline(float(weight.sum()) * cell_m**2, centre, _rings(inside | edge, low, parameters))
+
+
+def _drawn(positions: F32, low: I64, shape: I64, cell_m: float) -> Bool:
+    grid = np.zeros(shape, bool)
+    grid[tuple(_in_cells(positions, low, cell_m).astype(np.int64).T)] = True
+    return grid
+
+
+def _in_cells(positions: F32, low: I64, cell_m: float) -> F64:
+    return np.asarray(positions.astype(np.float64) / cell_m - low)
+
+
+def _closed(grid: Bool, cells: int) -> Bool:
+    return np.asarray(ndimage.binary_closing(grid, _SQUARE, iterations=cells))
+
+
+@njit(cache=True)
+def _sweep(cells: UInt8, starts: F64, ends: F64) -> None:
+    """Cover the free cells along each ray, up to its end or the first wall."""
+    for ray in range(len(starts)):
+        dx, dy = ends[ray, 0] - starts[ray, 0], ends[ray, 1] - starts[ray, 1]
+        steps = int(max(abs(dx), abs(dy))) + 1
+        for step in range(steps):
+            share = step / steps
+            i, j = int(starts[ray, 0] + share * dx), int(starts[ray, 1] + share * dy)
+            if i < 0 or j < 0 or i >= cells.shape[0] or j >= cells.shape[1]:
+                continue
+            if cells[i, j] == _WALL:
+                break
+            cells[i, j] = _COVERED
+
+
+def _inside(cells: UInt8, scanners: I64, parameters: OutlineParameters) -> Bool:
+    """Covered cells, gaps closed, of the pieces that a scanner stands in; of the largest where none does."""
+    closing = int(np.ceil(parameters.gap_m / parameters.cell_m / 2.0))
+    wall = cells == _WALL
+    pieces, count = ndimage.label(_closed(cells == _COVERED, closing) & ~wall)
+    if count == 0:
+        return np.asarray(wall)
+    on_grid = ((scanners >= 0) & (scanners < cells.shape)).all(axis=1)
+    kept = np.unique(pieces[tuple(scanners[on_grid].T)])
+    kept = kept[kept > 0]
+    if not len(kept):
+        kept = np.array([1 + np.argmax(np.bincount(pieces.ravel())[1:])])
+    return _holes_filled(np.isin(pieces, kept), wall, parameters.hole_m2 / parameters.cell_m**2)
+
+
+def _holes_filled(inside: Bool, wall: Bool, most_cells: float) -> Bool:
+    holes, _ = ndimage.label(ndimage.binary_fill_holes(inside) & ~inside & ~wall)
+    small = np.bincount(holes.ravel()) <= most_cells
+    small[0] = False
+    return np.asarray(inside | small[holes])
+
+
+def _rings(grid: Bool, low: I64, parameters: OutlineParameters) -> tuple[F64, ...]:
+    """Rings around the largest piece of the grid, drawn in by half a cell, simplified."""
+    cell_m = parameters.cell_m
+    edges = np.diff(np.pad(grid, ((0, 0), (1, 1))).astype(np.int8), axis=1)
+    x, first = np.nonzero(edges == 1)
+    past = np.nonzero(edges == -1)[1]
+    runs = shapely.box(*(cell_m * np.stack([x + low[0], first + low[1], x + low[0] + 1, past + low[1]])))
+    union = shapely.union_all(runs, grid_size=cell_m / 100.0)
+    drawn_in = union.buffer(-cell_m / 2.0, join_style="mitre")
+    polygon = max(shapely.get_parts(union if drawn_in.is_empty else drawn_in), key=lambda part: float(part.area))
+    polygon = polygon.simplify(parameters.tolerance_m)
+    return tuple(np.asarray(ring.coords, np.float64) for ring in (polygon.exterior, *polygon.interiors))

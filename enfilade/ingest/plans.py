@@ -1,0 +1,129 @@
+"""The plan of every room: floor and ceiling, area and outline (§4)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .outlines import Outline, OutlineParameters, draw_outline
+from .records import F32, I32, Bool, Plan, Planes, RoomLabels, Surfels, ThinnedCloud
+
+I64 = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class RoomPlanParameters:
+    """How the plans of rooms are drawn.
+
+    Attributes
+    ----------
+    least_height_m
+        A ceiling is at least so far above the floor.
+    lintel_m
+        Height of the strip under the ceiling that tells the plan: above doors, windows and furniture.
+    least_ceiling
+        Share of the whole plan that the plan from under the ceiling must cover to be used.
+    outline
+        How outlines are drawn.
+    """
+
+    least_height_m: float = 1.5
+    lintel_m: float = 0.35
+    least_ceiling: float = 0.6
+    outline: OutlineParameters = field(default_factory=OutlineParameters)
+
+
+@dataclass(frozen=True, slots=True)
+class _Parts:
+    """The surfels of one room, ``(n, ...)``: where, on which plane, from where, and whether by a scan of the room."""
+
+    positions: F32
+    plane: I32
+    scanners: F32
+    seen_here: Bool
+
+    def take(self, chosen: Bool) -> _Parts:
+        return _Parts(self.positions[chosen], self.plane[chosen], self.scanners[chosen], self.seen_here[chosen])
+
+
+def draw_plans(
+    cloud: ThinnedCloud,
+    surfels: Surfels,
+    planes: Planes,
+    labels: RoomLabels,
+    parameters: RoomPlanParameters = RoomPlanParameters(),
+) -> tuple[Plan, ...]:
+    """Draw the plan of every room, in order of number."""
+    order = np.argsort(labels.after, kind="stable")
+    ends = np.cumsum(np.bincount(labels.after + 1, minlength=labels.room_count + 1))
+    plans = []
+    for number in range(labels.room_count):
+        members = order[ends[number] : ends[number + 1]]
+        scan = surfels.scan[members]
+        parts = _Parts(
+            surfels.positions[members],
+            planes.surfel_plane[members],
+            cloud.scanner_positions[scan],
+            labels.scan_room[scan] == number,
+        )
+        plans.append(_plan(parts, planes, cloud.scanner_positions[labels.scan_room == number], parameters))
+    return tuple(plans)
+
+
+def _plan(parts: _Parts, planes: Planes, scanners: F32, parameters: RoomPlanParameters) -> Plan:
+    floor = _floor(planes, parts, scanners)
+    on_floor = parts.positions[parts.plane == floor, 2] if floor >= 0 else parts.positions[:, 2].min(keepdims=True)
+    elevation = float(on_floor.mean(dtype=np.float64))
+    ceiling = _ceiling(planes, parts, elevation + parameters.least_height_m)
+    outline = _outline(planes, parts, ceiling, parameters)
+    return Plan(outline.area, outline.centre, outline.rings, elevation, ceiling, floor)
+
+
+def _on(kind: Bool, plane: I32) -> Bool:
+    """Where `plane` is one of a kind."""
+    return (plane >= 0) & np.append(kind, False)[plane]
+
+
+def _floor(planes: Planes, parts: _Parts, scanners: F32) -> int:
+    """Plane that holds most of the room's floor (Eq. 7), of those below its scanners if it has any; -1 for none."""
+    upward = _on(planes.horizontal & (planes.normals[:, 2] > 0.0), parts.plane)
+    if len(scanners):
+        upward &= parts.positions[:, 2] < scanners[:, 2].min()
+    return int(np.argmax(np.bincount(parts.plane[upward]))) if upward.any() else -1
+
+
+def _ceiling(planes: Planes, parts: _Parts, lowest: float) -> float | None:
+    """Mean height of the plane that holds most of the room's ceiling, None where there is none above `lowest`."""
+    downward = _on(planes.horizontal & (planes.normals[:, 2] < 0.0), parts.plane)
+    downward &= parts.positions[:, 2] > lowest
+    if not downward.any():
+        return None
+    ceiling = np.argmax(np.bincount(parts.plane[downward]))
+    return float(parts.positions[downward & (parts.plane == ceiling), 2].mean(dtype=np.float64))
+
+
+def _outline(planes: Planes, parts: _Parts, ceiling: float | None, parameters: RoomPlanParameters) -> Outline:
+    """Outline under the ceiling, where no furniture hides and no window shows anything; else of the whole room."""
+    wall = _on(planes.vertical, parts.plane)
+    if ceiling is None:
+        return _drawn(parts, np.ones(len(wall), bool), wall, parameters.outline)
+    level = _on(planes.horizontal, parts.plane)
+    strip = parts.positions[:, 2] > ceiling - parameters.lintel_m
+    whole = _drawn(parts, level, wall & strip, parameters.outline)
+    if not (level & strip).any():
+        return whole
+    upper = _drawn(parts.take(strip), level[strip], wall[strip], parameters.outline)
+    return upper if upper.area >= parameters.least_ceiling * whole.area else whole
+
+
+def _drawn(parts: _Parts, level: Bool, wall: Bool, parameters: OutlineParameters) -> Outline:
+    seen = parts.seen_here
+    return draw_outline(
+        parts.positions[level, :2],
+        parts.positions[wall, :2],
+        parts.scanners[seen, :2],
+        parts.positions[seen, :2],
+        parameters,
+    )
