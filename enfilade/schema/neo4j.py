@@ -2,7 +2,7 @@
 
 One label a node, properties by their own names. Rings and mappings are JSON text, a descriptor is its counts as
 little-endian uint16 in a byte array. Properties that the schema does not know lie together in ``extra``, a JSON
-object. ``sequence`` on nodes and edges keeps their order and tells one writing of a building from another.
+object. ``sequence`` on nodes and edges keeps their order.
 """
 
 from __future__ import annotations
@@ -18,11 +18,15 @@ from enfilade.schema.encoding import as_json
 SCHEMA_LABEL: Final = "EnfiladeSchema"
 """Label of the one node that says, as ``version``, which schema a database follows."""
 
+WRITER_LABEL: Final = "EnfiladeWriter"
+"""Label of the one node that whoever writes holds, so that writers take turns."""
+
 
 def statements() -> list[str]:
     """All statements that make constraints and indexes; each may be run again."""
     return [
         _constraint(SCHEMA_LABEL, "version"),
+        _constraint(WRITER_LABEL, "id"),
         *(text for node in NODE_TYPES for text in _node_statements(node)),
     ]
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import logging
-import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from neo4j import READ_ACCESS, WRITE_ACCESS, Driver, GraphDatabase, ManagedTransaction, Query, Session
 from neo4j.exceptions import ConfigurationError, DriverError, Neo4jError, ServiceUnavailable
@@ -17,17 +16,17 @@ from enfilade.schema.definition import SCHEMA_VERSION
 from enfilade.schema.graph import BuildingGraph
 from enfilade.schema.ids import parse
 from enfilade.schema.neo4j import SCHEMA_LABEL, statements
-from enfilade.stores import neo4j_graph, neo4j_tables
+from enfilade.stores import neo4j_graph, neo4j_tables, neo4j_turns
 from enfilade.stores.base import BuildingSummary, DescriptorTable, Store
-from enfilade.stores.neo4j_graph import TornReadError
 
 DEFAULT_DATABASE: Final = "neo4j"
 CONNECTION_TIMEOUT_S: Final = 15.0
 RETRY_TIME_S: Final = 30.0
 """How long the driver tries a transaction again that failed for a passing reason."""
 
-READ_TRIES: Final = 20
 FETCH_SIZE: Final = 2000
+
+T = TypeVar("T")
 
 logging.getLogger("neo4j").addHandler(logging.NullHandler())  # what matters is raised; the driver need not print too
 
@@ -85,72 +84,61 @@ class Neo4jStore(Store):
             neo4j_graph.delete(transaction, graph.building)
             neo4j_graph.insert(transaction, graph)
 
-        with self._session() as session:
-            session.execute_write(replace)
+        self._write(replace)
 
     def read(self, building: str) -> BuildingGraph:
         """Return a building's whole graph, as it was written. Raises NotFoundError."""
-        with self._session(reading=True) as session:
-            for tries_left in reversed(range(READ_TRIES)):
-                try:
-                    graph = session.execute_read(neo4j_graph.select, building)
-                    break
-                except TornReadError:
-                    if not tries_left:
-                        raise
-                    time.sleep(0.1)
-        if graph is None:
+        stored = self._read(lambda transaction: neo4j_graph.select(transaction, building))
+        if stored is None:
             raise self._not_found(building)
-        return graph
+        return stored.graph()
 
     def properties(self, node: str) -> dict[str, Any]:
         """Return the properties of one node by its key, without its descriptors. Raises NotFoundError."""
-        with self._session(reading=True) as session:
-            found = session.execute_read(neo4j_graph.select_node, parse(node).label, node)
+        label = parse(node).label
+        found = self._read(lambda transaction: neo4j_graph.select_node(transaction, label, node))
         if found is None:
             raise NotFoundError(f'there is no node "{node}" in {self.url}')
         return found
 
     def remove(self, building: str) -> None:
         """Take a building out, in one transaction. Raises NotFoundError."""
-        with self._session() as session:
-            found = session.execute_write(neo4j_graph.delete, building)
-        if not found:
+        if not self._write(lambda transaction: neo4j_graph.delete(transaction, building)):
             raise self._not_found(building)
 
     def buildings(self) -> list[BuildingSummary]:
         """All buildings, by id."""
-        with self._session(reading=True) as session:
-            return session.execute_read(neo4j_tables.summaries)
+        return neo4j_tables.building_summaries(self._read(neo4j_tables.summaries))
 
     def rows(
         self, text: str, parameters: Mapping[str, Any], *, timeout_s: float | None = None
     ) -> Iterator[tuple[Any, ...]]:
         """Run a compiled question, read-only; yields its rows. Raises StoreError past the time limit."""
-        with self._session(reading=True) as session:
-            for record in session.run(Query(text, timeout=timeout_s), dict(parameters)):
-                yield tuple(record)
+        given = dict(parameters)
+        found = self._read(lambda transaction: transaction.run(text, given).values(), timeout_s=timeout_s)
+        yield from map(tuple, found)
 
     def cypher(
         self, text: str, parameters: Mapping[str, Any], *, timeout_s: float | None = None
     ) -> Iterator[dict[str, Any]]:
         """Run Cypher as it stands, read-only; yields rows of plain values, as ``enfilade cypher`` shows them."""
-        with self._session(reading=True) as session:
-            for record in session.run(Query(text, timeout=timeout_s), dict(parameters)):
-                yield {
-                    name: neo4j_tables.plain(value) for name, value in zip(record.keys(), record.values(), strict=True)
-                }
+        with self._session(READ_ACCESS) as session:
+            found = session.run(Query(text, timeout=timeout_s), dict(parameters))
+            names = found.keys()
+            for record in found:
+                yield {name: neo4j_tables.plain(value) for name, value in zip(names, record, strict=True)}
 
     def plan(self, text: str, parameters: Mapping[str, Any]) -> str:
         """Return Neo4j's own plan for a compiled question, one operator a line, indented."""
-        with self._session(reading=True) as session:
+        with self._session(READ_ACCESS) as session:
             summary = session.run(f"EXPLAIN {text}", dict(parameters)).consume()
         return "\n".join(neo4j_tables.plan_lines(summary.plan or {}))
 
     def descriptors(self, property: str) -> list[DescriptorTable]:
         """All values of ``descriptor`` or ``foot_descriptor``, one table a shape, objects by building, as written."""
-        with self._session(reading=True) as session:
-            return session.execute_read(neo4j_tables.descriptors, property)
+        return neo4j_tables.descriptor_tables(
+            self._read(lambda transaction: neo4j_tables.descriptors(transaction, property))
+        )
 
     def close(self) -> None:
         """Let go of the connections."""
@@ -167,7 +155,7 @@ class Neo4jStore(Store):
         )
 
     def _prepare(self, *, create: bool) -> None:
-        with self._driver.session(database=self._database) as session:
+        with self._session(WRITE_ACCESS) as session:
             versions = _versions(session)  # not retried: a server that cannot be reached is told at once
             if not versions and not create:
                 raise StoreError(f"{self.url} has no schema of Enfilade yet; ingest or import a building first")
@@ -175,7 +163,7 @@ class Neo4jStore(Store):
                 for statement in statements():
                     session.run(statement).consume()
                 session.run("CALL db.awaitIndexes(60)").consume()
-                session.execute_write(_write_version)
+                neo4j_turns.prepare(session)
                 versions = [SCHEMA_VERSION]
         if versions != [SCHEMA_VERSION]:
             found = ", ".join(map(str, versions))
@@ -184,13 +172,20 @@ class Neo4jStore(Store):
                 "open it with the Enfilade that wrote it"
             )
 
+    def _write(self, work: neo4j_turns.Writing[T]) -> T:
+        with self._session(WRITE_ACCESS) as session, self._session(WRITE_ACCESS) as announcing:
+            return neo4j_turns.write(session, announcing, work)
+
+    def _read(self, work: neo4j_turns.Reading[T], *, timeout_s: float | None = None) -> T:
+        with self._session(READ_ACCESS) as session:
+            return neo4j_turns.read(session, lambda: self._open_session(WRITE_ACCESS), work, timeout_s=timeout_s)
+
+    def _open_session(self, access: str) -> Session:
+        return self._driver.session(database=self._database, default_access_mode=access, fetch_size=FETCH_SIZE)
+
     @contextmanager
-    def _session(self, *, reading: bool = False) -> Iterator[Session]:
-        access = READ_ACCESS if reading else WRITE_ACCESS
-        with (
-            self._telling(),
-            self._driver.session(database=self._database, default_access_mode=access, fetch_size=FETCH_SIZE) as session,
-        ):
+    def _session(self, access: str) -> Iterator[Session]:
+        with self._telling(), self._open_session(access) as session:
             yield session
 
     @contextmanager
@@ -236,7 +231,3 @@ _CAUSES: Final = {
 def _versions(session: Session) -> list[int]:
     text = f"MATCH (s:{SCHEMA_LABEL}) RETURN s.version ORDER BY s.version"
     return [version for (version,) in session.run(text)]
-
-
-def _write_version(transaction: ManagedTransaction) -> None:
-    transaction.run(f"MERGE (:{SCHEMA_LABEL} {{version: $version}})", version=SCHEMA_VERSION).consume()

@@ -1,21 +1,23 @@
-"""A building's graph into Neo4j and out of it; transactions are the caller's.
-
-Neo4j promises to read what is committed, not to read one moment. So each node and edge carries, in the upper
-half of ``sequence``, the number of the writing that it came from, and the building says how many of each there
-are: what is read is whole when all of them agree.
-"""
+"""A building's graph into Neo4j and out of it; transactions are the caller's."""
 
 from __future__ import annotations
 
 import json
-import secrets
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
-from neo4j import ManagedTransaction
+from neo4j import ManagedTransaction, Transaction
 
-from enfilade.errors import StoreError
-from enfilade.schema.definition import EDGE_PROPERTIES, EDGE_TYPES, EDGES, NODE_PROPERTIES, NODES, Kind, Property
+from enfilade.schema.definition import (
+    EDGE_PROPERTIES,
+    EDGE_TYPES,
+    NODE_PROPERTIES,
+    NODES,
+    EdgeType,
+    Kind,
+    Property,
+)
 from enfilade.schema.encoding import as_json
 from enfilade.schema.graph import BuildingGraph, Edge, Node
 from enfilade.schema.neo4j import from_property, to_property
@@ -23,14 +25,9 @@ from enfilade.schema.neo4j import from_property, to_property
 BATCH: Final = 2000
 """Rows that one statement takes; with descriptors a row has some 6 kB."""
 
-_PLACE_BITS: Final = 30
-_WRITING_BITS: Final = 22  # together below 2⁵³, which JavaScript's numbers, and so graph browsers, show exactly
+Stored = Mapping[str, Any]
 
 _HEADER: Final = "MATCH (b:Building {id: $building}) RETURN properties(b)"
-
-
-class TornReadError(StoreError):
-    """A building was replaced while it was read."""
 
 
 def delete(transaction: ManagedTransaction, building: str) -> bool:
@@ -44,9 +41,8 @@ def delete(transaction: ManagedTransaction, building: str) -> bool:
 
 def insert(transaction: ManagedTransaction, graph: BuildingGraph) -> None:
     """Put a building in that is not there."""
-    first = secrets.randbits(_WRITING_BITS) << _PLACE_BITS
-    nodes = list(enumerate(graph.nodes.values(), start=first))
-    edges = list(enumerate(graph.edges, start=first))
+    nodes = list(enumerate(graph.nodes.values()))
+    edges = list(enumerate(graph.edges))
     for label in NODES:
         rows = [_node_row(node, sequence) for sequence, node in nodes if node.label == label]
         _run_batches(transaction, f"UNWIND $rows AS row CREATE (n:`{label}`) SET n = row", rows)
@@ -58,26 +54,48 @@ def insert(transaction: ManagedTransaction, graph: BuildingGraph) -> None:
     transaction.run(text, building=graph.building, header=_header(graph)).consume()
 
 
-def select(transaction: ManagedTransaction, building: str) -> BuildingGraph | None:
-    """Return a building's graph, or None where it is not there. Raises TornReadError."""
+@dataclass(frozen=True, slots=True)
+class StoredGraph:
+    """A building as it lies in the database.
+
+    Attributes
+    ----------
+    header
+        Properties of the building's own node.
+    nodes
+        By label, properties of each node.
+    edges
+        By type, of each edge the ids of source and target, and its properties.
+    """
+
+    header: Mapping[str, Any]
+    nodes: Mapping[str, list[Stored]]
+    edges: Mapping[str, list[tuple[str, str, Stored]]]
+
+    def graph(self) -> BuildingGraph:
+        """Return it as it was written."""
+        nodes = ((row["sequence"], _node(label, row)) for label, rows in self.nodes.items() for row in rows)
+        edges = ((row[2]["sequence"], _edge(type, *row)) for type, rows in self.edges.items() for row in rows)
+        return BuildingGraph(
+            self.header["id"],
+            {node.id: node for _, node in sorted(nodes, key=_by_sequence)},
+            [edge for _, edge in sorted(edges, key=_by_sequence)],
+            shape_of(self.header.get("descriptor_shape")),
+            json.loads(self.header["attributes"]),
+        )
+
+
+def select(transaction: ManagedTransaction | Transaction, building: str) -> StoredGraph | None:
+    """Fetch a building's graph; None where it is not there."""
     found = transaction.run(_HEADER, building=building).single()
     if found is None:
         return None
-    header = found[0]
-    nodes = sorted((row for label in NODES for row in _nodes(transaction, building, label)), key=_by_sequence)
-    edges = sorted((row for type in EDGES for row in _edges(transaction, building, type)), key=_by_sequence)
-    if not (_whole(nodes, header, "node_count") and _whole(edges, header, "edge_count")):
-        raise TornReadError(f'building "{building}" was replaced each time while it was read; try again')
-    return BuildingGraph(
-        building,
-        {node.id: node for _, node in nodes},
-        [edge for _, edge in edges],
-        shape_of(header.get("descriptor_shape")),
-        json.loads(header["attributes"]),
-    )
+    nodes = {label: _fetch_nodes(transaction, building, label) for label in NODES}
+    edges = {edge.type: _fetch_edges(transaction, building, edge) for edge in EDGE_TYPES}
+    return StoredGraph(found[0], nodes, edges)
 
 
-def select_node(transaction: ManagedTransaction, label: str, id: str) -> dict[str, Any] | None:
+def select_node(transaction: ManagedTransaction | Transaction, label: str, id: str) -> dict[str, Any] | None:
     """Return the properties of one node without its descriptors, or None where it is not there."""
     text = f"MATCH (n:`{label}` {{id: $id}}) RETURN properties(n)"
     found = transaction.run(text, id=id).single()
@@ -97,19 +115,12 @@ def _by_sequence(row: tuple[int, Any]) -> int:
     return row[0]
 
 
-def _whole(rows: Sequence[tuple[int, Any]], header: Mapping[str, Any], count: str) -> bool:
-    writing = header["sequence"] >> _PLACE_BITS
-    return len(rows) == header[count] and all(sequence >> _PLACE_BITS == writing for sequence, _ in rows)
-
-
 def _ends(graph: BuildingGraph, edge: Edge) -> tuple[str, str]:
     return graph.nodes[edge.source].label, graph.nodes[edge.target].label
 
 
 def _header(graph: BuildingGraph) -> dict[str, Any]:
     return {
-        "node_count": len(graph.nodes),
-        "edge_count": len(graph.edges),
         "descriptor_shape": None if graph.descriptor_shape is None else list(graph.descriptor_shape),
         "attributes": as_json(graph.attributes),
     }
@@ -146,21 +157,32 @@ def _kept(properties: Mapping[str, Any], known: Mapping[str, Property]) -> dict[
     return kept | {"extra": as_json(unknown)} if unknown else kept
 
 
-def _nodes(transaction: ManagedTransaction, building: str, label: str) -> Iterator[tuple[int, Node]]:
+def _fetch_nodes(transaction: ManagedTransaction | Transaction, building: str, label: str) -> list[Stored]:
     text = f"MATCH (n:`{label}` {{building: $building}}) RETURN properties(n)"
-    for (stored,) in transaction.run(text, building=building):
-        properties = _properties(stored, NODE_PROPERTIES[label].values())
-        yield stored["sequence"], Node(properties.pop("id"), label, properties)
+    return [stored for (stored,) in transaction.run(text, building=building)]
 
 
-def _edges(transaction: ManagedTransaction, building: str, type: str) -> Iterator[tuple[int, Edge]]:
-    known = EDGE_PROPERTIES[type].values()
-    for source_label, _ in EDGES[type].ends:
-        text = f"MATCH (a:`{source_label}` {{building: $building}})-[e:`{type}`]->(b) RETURN a.id, b.id, properties(e)"
-        for source, target, stored in transaction.run(text, building=building):
-            yield stored["sequence"], Edge(source, target, type, stored["key"], _properties(stored, known))
+def _fetch_edges(
+    transaction: ManagedTransaction | Transaction, building: str, edge_type: EdgeType
+) -> list[tuple[str, str, Stored]]:
+    rows: list[tuple[str, str, Stored]] = []
+    for label in dict.fromkeys(source for source, _ in edge_type.ends):
+        text = (
+            f"MATCH (a:`{label}` {{building: $building}})-[e:`{edge_type.type}`]->(b) RETURN a.id, b.id, properties(e)"
+        )
+        rows.extend((source, target, stored) for source, target, stored in transaction.run(text, building=building))
+    return rows
 
 
-def _properties(stored: Mapping[str, Any], known: Iterable[Property]) -> dict[str, Any]:
+def _node(label: str, stored: Stored) -> Node:
+    properties = _properties(stored, NODE_PROPERTIES[label].values())
+    return Node(properties.pop("id"), label, properties)
+
+
+def _edge(type: str, source: str, target: str, stored: Stored) -> Edge:
+    return Edge(source, target, type, stored["key"], _properties(stored, EDGE_PROPERTIES[type].values()))
+
+
+def _properties(stored: Stored, known: Iterable[Property]) -> dict[str, Any]:
     properties = {p.name: from_property(stored[p.name], p.kind) for p in known if p.name in stored}
     return properties | json.loads(stored["extra"]) if "extra" in stored else properties

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Final
 
 import numpy as np
-from neo4j import ManagedTransaction
+from neo4j import ManagedTransaction, Transaction
 from neo4j.graph import Node, Path, Relationship
 
 from enfilade.stores.base import BuildingSummary, DescriptorTable
+
+Reader = ManagedTransaction | Transaction
 
 _SUMMARIES: Final = """
 MATCH (b:Building)
@@ -24,9 +26,14 @@ RETURN b.id, b.name,
 """
 
 
-def summaries(transaction: ManagedTransaction) -> list[BuildingSummary]:
-    """All buildings, by id."""
-    return sorted((BuildingSummary(*row) for row in transaction.run(_SUMMARIES)), key=lambda summary: summary.id)
+def summaries(transaction: Reader) -> list[list[Any]]:
+    """Fetch what `building_summaries` takes."""
+    return transaction.run(_SUMMARIES).values()
+
+
+def building_summaries(rows: Iterable[Iterable[Any]]) -> list[BuildingSummary]:
+    """Return one summary a building, by id."""
+    return sorted((BuildingSummary(*row) for row in rows), key=lambda summary: summary.id)
 
 
 def plan_lines(plan: Mapping[str, Any], depth: int = 0) -> Iterator[str]:
@@ -37,14 +44,19 @@ def plan_lines(plan: Mapping[str, Any], depth: int = 0) -> Iterator[str]:
         yield from plan_lines(child, depth + 1)
 
 
-def descriptors(transaction: ManagedTransaction, property: str) -> list[DescriptorTable]:
-    """All descriptors of one kind, one table a shape, objects by building and in order of writing."""
+def descriptors(transaction: Reader, property: str) -> list[tuple[Any, ...]]:
+    """Fetch all descriptors of one kind, as `descriptor_tables` takes them."""
     text = (
         f"MATCH (o:Object) WHERE o.`{property}` IS NOT NULL MATCH (b:Building {{id: o.building}}) "
         f"RETURN b.descriptor_shape, b.id, o.sequence, o.id, o.floor_offset, o.`{property}`"
     )
+    return [tuple(row) for row in transaction.run(text)]
+
+
+def descriptor_tables(rows: Iterable[tuple[Any, ...]]) -> list[DescriptorTable]:
+    """Return descriptors as one table a shape, objects by building, as written."""
     found: dict[tuple[int, ...], list[tuple[Any, ...]]] = {}
-    for shape, *row in transaction.run(text):
+    for shape, *row in rows:
         found.setdefault(tuple(shape), []).append(tuple(row))
     return [_descriptor_table(shape, sorted(found[shape])) for shape in sorted(found)]
 

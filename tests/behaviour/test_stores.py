@@ -1,0 +1,294 @@
+"""What every store does: one suite, run on SQLite and on a real Neo4j."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from strategies import graphs
+
+from enfilade.errors import GraphError, NotFoundError, StoreError
+from enfilade.schema.encoding import encode
+from enfilade.schema.graph import BuildingGraph
+from enfilade.stores import Store, copy, open_store
+
+ONE_NODE = {"sql": "SELECT id FROM building ORDER BY id", "cypher": "MATCH (b:Building) RETURN b.id ORDER BY b.id"}
+PARAMETER = {"sql": "SELECT :text", "cypher": "RETURN $text"}
+ENDLESS = {
+    "sql": "WITH RECURSIVE n(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM n) SELECT count(*) FROM n",
+    "cypher": "UNWIND range(1, 1000000000) AS x WITH x WHERE x % 7 = 8 RETURN count(x)",
+}
+COUNTING = {
+    "sql": "SELECT count(*), min(area), max(area) FROM room WHERE building = 'a'",
+    "cypher": "MATCH (r:Room {building: 'a'}) RETURN count(r), min(r.area), max(r.area)",
+}
+WRITING = {"sql": "DELETE FROM building", "cypher": "MATCH (n) DETACH DELETE n"}
+NONSENSE = {"sql": "SELEKT 1", "cypher": "MATSCH (n) RETURN n"}
+HOSTILE = [
+    "'; MATCH (n) DETACH DELETE n //",
+    "'; DROP TABLE room; --",
+    '"quotes" and `backquotes` and \\ and $x and {y}',
+    "tab\tnewline\nreturn\r",
+    "nul\x00in the middle",
+    "Zürich 東京 🏠 e\u0301 \u202e",
+    "",
+    " ",
+]
+
+
+def building(id: str, rooms: int = 3, **properties: Any) -> BuildingGraph:
+    """A building whose rooms all lie on one storey and have the number of rooms as their area."""
+    graph = BuildingGraph(id)
+    graph.add_node(id, "Building", name=f"Building {id}")
+    storey = graph.add_node(f"{id}/s0", "Storey", index=0)
+    graph.add_edge(id, "HAS_STOREY", storey.id)
+    for number in range(rooms):
+        room = graph.add_node(f"{id}/r{number}", "Room", area=float(rooms), **properties)
+        graph.add_edge(storey.id, "HAS_ROOM", room.id)
+    return graph
+
+
+def test_a_building_comes_back_as_it_was_written(store: Store, hotel: BuildingGraph) -> None:
+    store.write(hotel)
+    again = store.read("hotel")
+    assert again == hotel
+    assert b"".join(encode(again)) == b"".join(encode(hotel))
+
+
+@settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(graph=graphs())
+def test_any_graph_comes_back_as_it_was_written(store: Store, graph: BuildingGraph) -> None:
+    store.write(graph)
+    again = store.read(graph.building)
+    assert again == graph
+    assert list(again.nodes) == list(graph.nodes)
+    assert b"".join(encode(again)) == b"".join(encode(graph))
+    store.remove(graph.building)
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_hostile_texts_are_just_texts(store: Store, text: str) -> None:
+    others = building("other")
+    store.write(others)
+    graph = building("some", name=text, function=text, scans=[text, text])
+    graph.nodes["some"].properties.update(
+        {"source_files": [text], "parameters": {text: [text]}, f"unknown {text}": text}
+    )
+    graph.attributes[text] = text
+    graph.edges[0].key = text
+    store.write(graph)
+    assert store.read("some") == graph
+    assert store.read("other") == others
+    assert list(store.rows(PARAMETER[store.dialect], {"text": text})) == [(text,)]
+
+
+@pytest.mark.parametrize(
+    "id", [text for text in HOSTILE if text.isprintable() and text and "/" not in text] + ["x" * 200]
+)
+def test_hostile_ids_are_just_ids(store: Store, id: str) -> None:
+    store.write(building("other"))
+    store.write(building(id, rooms=1))
+    assert store.read(id) == building(id, rooms=1)
+    assert {summary.id for summary in store.buildings()} == {"other", id}
+    assert store.properties(f"{id}/r0")["area"] == 1.0
+    store.remove(id)
+    assert store.read("other") == building("other")
+
+
+def test_writing_again_replaces(store: Store, hotel: BuildingGraph) -> None:
+    store.write(building("hotel", rooms=50))
+    store.write(hotel)
+    assert store.read("hotel") == hotel
+    assert [summary.id for summary in store.buildings()] == ["hotel"]
+
+
+def test_other_buildings_stay(store: Store) -> None:
+    for id in ("b", "a", "c"):
+        store.write(building(id))
+    store.write(building("b", rooms=1))
+    store.remove("c")
+    assert [(summary.id, summary.rooms) for summary in store.buildings()] == [("a", 3), ("b", 1)]
+    assert store.read("a") == building("a")
+
+
+def test_a_summary_counts(store: Store, hotel: BuildingGraph) -> None:
+    hotel.nodes["hotel"].properties["ingested_at"] = "2026-01-01T00:00:00Z"
+    store.write(hotel)
+    (summary,) = store.buildings()
+    assert (summary.id, summary.name, summary.ingested_at) == ("hotel", "Hotel", "2026-01-01T00:00:00Z")
+    assert (summary.storeys, summary.rooms, summary.openings, summary.objects) == (2, 7, 9, 7)
+    assert summary.area == pytest.approx(102.0)
+
+
+def test_an_area_that_nobody_measured_is_unknown(store: Store) -> None:
+    graph = BuildingGraph("plain")
+    graph.add_node("plain", "Building")
+    store.write(graph)
+    assert store.buildings()[0].area is None
+
+
+def test_buildings_come_by_id(store: Store) -> None:
+    ids = ["b", "B", "ä", "🏠", "\uffff", "10", "9"]
+    for id in ids:
+        store.write(building(id, rooms=0))
+    assert [summary.id for summary in store.buildings()] == sorted(ids)
+
+
+def test_what_is_not_there_is_said(store: Store) -> None:
+    store.write(building("a"))
+    for ask in (lambda: store.read("b"), lambda: store.remove("b"), lambda: store.properties("b")):
+        with pytest.raises(NotFoundError, match=r'no (building|node) "b"'):
+            ask()
+    with pytest.raises(NotFoundError, match='no node "a/r9"'):
+        store.properties("a/r9")
+
+
+def test_properties_of_a_node_leave_descriptors_out(store: Store, hotel: BuildingGraph) -> None:
+    hotel.nodes["hotel/o0"].properties["colour"] = ["red"]
+    store.write(hotel)
+    assert store.properties("hotel/o0") == {
+        "building": "hotel",
+        "segments": ["hotel/o0"],
+        "parts": 1,
+        "colour": ["red"],
+    }
+
+
+def test_a_graph_that_breaks_the_schema_changes_nothing(store: Store) -> None:
+    store.write(building("a"))
+    broken = building("a", rooms=9)
+    broken.add_edge("a/r0", "OPENS", "a/p0")
+    with pytest.raises(GraphError, match="no node 'a/p0'"):
+        store.write(broken)
+    assert store.read("a") == building("a")
+
+
+def test_rows_only_read(store: Store) -> None:
+    store.write(building("a"))
+    with pytest.raises(StoreError):
+        list(store.rows(WRITING[store.dialect], {}))
+    assert list(store.rows(ONE_NODE[store.dialect], {})) == [("a",)]
+
+
+def test_rows_may_be_left_early(store: Store) -> None:
+    for number in range(5):
+        store.write(building(f"b{number}", rooms=0))
+    rows = store.rows(ONE_NODE[store.dialect], {})
+    assert next(rows) == ("b0",)
+    rows.close()  # type: ignore[attr-defined]
+    store.write(building("b5", rooms=0))
+    assert len(list(store.rows(ONE_NODE[store.dialect], {}))) == 6
+
+
+def test_a_question_that_takes_too_long_is_stopped(store: Store) -> None:
+    with pytest.raises(StoreError, match="longer than"):
+        list(store.rows(ENDLESS[store.dialect], {}, timeout_s=0.3))
+    assert list(store.rows(ONE_NODE[store.dialect], {}, timeout_s=30)) == []
+
+
+def test_nonsense_is_one_sentence(store: Store) -> None:
+    with pytest.raises(StoreError) as caught:
+        list(store.rows(NONSENSE[store.dialect], {}))
+    assert "\n" not in str(caught.value)
+
+
+def test_the_engine_tells_its_plan(store: Store) -> None:
+    store.write(building("a"))
+    assert "building" in store.plan(ONE_NODE[store.dialect], {}).lower()
+
+
+def test_descriptors_come_one_table_a_shape(store: Store, hotel: BuildingGraph) -> None:
+    hotel.nodes["hotel/o1"].properties["floor_offset"] = 0.5
+    store.write(hotel)
+    other = BuildingGraph("annexe", descriptor_shape=(1, 1, 2))
+    other.add_node("annexe", "Building")
+    other.add_node("annexe/o3", "Object", descriptor=np.array([1440, 60000], dtype=np.uint16))
+    store.write(other)
+    small, large = store.descriptors("descriptor")
+    assert (small.shape, list(small.ids), small.counts.tolist()) == ((1, 1, 2), ["annexe/o3"], [[1440, 60000]])
+    assert (large.shape, large.counts.dtype, large.counts.shape) == ((1, 2, 4), np.uint16, (7, 8))
+    expected = [node for node in hotel.of_label("Object") if "descriptor" in node.properties]
+    assert list(large.ids) == [node.id for node in expected]
+    assert np.array_equal(large.counts, [node.properties["descriptor"] for node in expected])
+    assert np.array_equal(large.floor_offsets, [np.nan, 0.5] + [np.nan] * 5, equal_nan=True)
+    assert store.descriptors("foot_descriptor") == []
+
+
+def test_readers_see_whole_buildings_while_a_writer_replaces_them(store: Store) -> None:
+    sizes = (40, 41)
+    store.write(building("a", rooms=sizes[0]))
+    done = threading.Event()
+    seen: list[int] = []
+    failed: list[BaseException] = []
+
+    def read() -> None:
+        try:
+            while not done.is_set():
+                graph = store.read("a")
+                rooms = [node.properties["area"] for node in graph.of_label("Room")]
+                assert rooms == [float(len(rooms))] * len(rooms)
+                assert len(list(graph.of_type("HAS_ROOM"))) == len(rooms)
+                assert len(set(next(store.rows(COUNTING[store.dialect], {})))) == 1
+                seen.append(len(rooms))
+        except BaseException as error:
+            failed.append(error)
+
+    readers = [threading.Thread(target=read) for _ in range(2)]
+    for reader in readers:
+        reader.start()
+    for number in range(12):
+        store.write(building("a", rooms=sizes[(number + 1) % 2]))
+    done.set()
+    for reader in readers:
+        reader.join()
+    assert not failed
+    assert set(seen) <= set(sizes)
+    assert seen
+
+
+def test_writers_take_turns(store: Store) -> None:
+    failed: list[BaseException] = []
+
+    def write(name: str) -> None:
+        try:
+            for rooms in range(1, 4):
+                store.write(building(name, rooms=rooms))
+                store.write(building("shared", rooms=rooms))
+        except BaseException as error:
+            failed.append(error)
+
+    writers = [threading.Thread(target=write, args=(f"w{number}",)) for number in range(3)]
+    for writer in writers:
+        writer.start()
+    for writer in writers:
+        writer.join()
+    assert not failed
+    assert [(s.id, s.rooms) for s in store.buildings()] == [("shared", 3), ("w0", 3), ("w1", 3), ("w2", 3)]
+    assert store.read("shared") == building("shared")
+
+
+def test_a_copy_is_the_same_building(store: Store, hotel: BuildingGraph, tmp_path: Path) -> None:
+    store.write(hotel)
+    store.write(building("annexe"))
+    with open_store(f"sqlite:{tmp_path / 'copy.db'}") as other:
+        assert copy(store, other) == ["annexe", "hotel"]
+        store.remove("hotel")
+        assert copy(other, store, ["hotel"]) == ["hotel"]
+        assert store.read("hotel") == other.read("hotel") == hotel
+        with pytest.raises(NotFoundError, match="nowhere"):
+            copy(store, other, ["nowhere"])
+
+
+def test_the_address_opens_the_same_store(store: Store, hotel: BuildingGraph, request: pytest.FixtureRequest) -> None:
+    store.write(hotel)
+    ask = None
+    if store.dialect == "cypher":
+        password = request.getfixturevalue("neo4j_server").password
+        ask = lambda _: password  # noqa: E731
+    with open_store(store.url, create=False, ask=ask) as again:
+        assert again.url == store.url
+        assert again.read("hotel") == hotel
