@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from enfilade.ingest.openings.contacts import contact_sides
 from enfilade.ingest.openings.holes import Hole, find_holes
-from enfilade.ingest.openings.leads import group_holes
+from enfilade.ingest.openings.leads import group_holes, without_rivals
 from enfilade.ingest.openings.parameters import OpeningParameters
 from enfilade.ingest.openings.rays import Rays, rays_of, view_sides
 from enfilade.ingest.openings.slabs import floor_sides, open_slab
@@ -50,12 +50,15 @@ def find_openings(
     walls = [side for side in sides if side.vertical]
     looked_at = sorted([*walls, *floor_sides(known)], key=lambda side: side.room)
     holes = list(_holes(rays, looked_at, chosen))
-    doors = open_walls([hole for hole in holes if hole.side.vertical], rays, known, neighbours, chosen)
-    lines = contact_sides(surfels, labels, known, doors, chosen)
-    passages = open_walls(_holes(rays, lines, chosen), rays, known, neighbours, chosen)
+    doors = group_holes([hole for hole in holes if hole.side.vertical], rays, known, chosen)
+    openings = open_walls(doors, rays, known, neighbours, chosen)
+    lines = contact_sides(surfels, labels, known, openings, chosen)
+    framed = [hole for hole in _holes(rays, lines, chosen) if hole.bounded[0] and hole.bounded[2]]
+    passages = without_rivals(group_holes(framed, rays, known, chosen), doors, chosen.max_gap_m)
+    openings += open_walls(passages, rays, known, neighbours, chosen)
     slabs = group_holes([hole for hole in holes if hole.side.horizontal], rays, known, chosen)
-    stairs = [opening for pair, group in slabs if (opening := open_slab(pair, group, rays, known, chosen)) is not None]
-    return tuple(sorted((*doors, *passages, *stairs), key=_order))
+    openings += [stairs for group in slabs if (stairs := open_slab(group, rays, known, chosen)) is not None]
+    return tuple(sorted(openings, key=_order))
 
 
 def _holes(rays: Rays, sides: list[Side], parameters: OpeningParameters) -> Iterator[Hole]:

@@ -33,7 +33,7 @@ class Hole:
         ``(4,)`` left, bottom, right, top along the axes of the side, metres.
     bounded
         ``(4,) bool`` whether there is wall beside that edge.
-    ray, beyond, outbound
+    ray, end, beyond, outbound
         The rays through it, as in `SideView`.
     fill
         Share of the rectangle that rays went through.
@@ -43,6 +43,7 @@ class Hole:
     edges: F64
     bounded: Bool
     ray: I32
+    end: F64
     beyond: F64
     outbound: Bool
     fill: float
@@ -123,7 +124,14 @@ def _hole(view: SideView, members: NDArray[np.int_], cells: int, cell_m: float) 
     fill = cells * cell_m**2 / max((edges[2] - edges[0]) * (edges[3] - edges[1]), cell_m**2)
     bounded = np.array([supported for _, supported in found])
     return Hole(
-        view.side, edges, bounded, view.ray[members], view.beyond[members], view.outbound[members], min(fill, 1.0)
+        side=view.side,
+        edges=edges,
+        bounded=bounded,
+        ray=view.ray[members],
+        end=view.end[members],
+        beyond=view.beyond[members],
+        outbound=view.outbound[members],
+        fill=min(fill, 1.0),
     )
 
 

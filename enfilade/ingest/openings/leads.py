@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
+from shapely import Polygon, STRtree, box
 
 from enfilade.ingest.openings.holes import Hole
 from enfilade.ingest.openings.parameters import OpeningParameters
@@ -21,10 +22,11 @@ NEAR_M = 1.0
 
 @dataclass(frozen=True, slots=True)
 class Lead:
-    """Where a hole leads: `share` of the votes are for room `other`, `same` for the hole's own room."""
+    """Where a hole leads: `votes` for room `other`, which are `share` of all; `same` are for the hole's own room."""
 
     hole: Hole
     other: int
+    votes: float
     share: float
     same: float
 
@@ -35,10 +37,31 @@ class Lead:
         return (a, b) if a < b else (b, a)
 
 
+@dataclass(frozen=True, slots=True)
+class Group:
+    """All holes of one opening between a pair of rooms, the one of most rays first."""
+
+    pair: tuple[int, int]
+    leads: tuple[Lead, ...]
+
+    @property
+    def main(self) -> Hole:
+        """The hole of most rays."""
+        return self.leads[0].hole
+
+    @property
+    def votes(self) -> float:
+        """How much speaks for the pair of rooms."""
+        return sum(lead.votes for lead in self.leads)
+
+
 def group_holes(
     holes: Iterable[Hole], rays: Rays, rooms: Mapping[int, Room], parameters: OpeningParameters
-) -> list[tuple[tuple[int, int], list[Lead]]]:
+) -> list[Group]:
     """Find where each hole leads, and put together those of one pair of rooms that face one another.
+
+    Where groups of several pairs of rooms claim one place, the one with most votes stays: it is the room right
+    behind the hole, not one further on.
 
     Parameters
     ----------
@@ -53,21 +76,54 @@ def group_holes(
 
     Returns
     -------
-    (pair of rooms, holes of one opening), ordered by pair.
+    Ordered by pair of rooms.
     """
     leads: defaultdict[tuple[int, int], list[Lead]] = defaultdict(list)
     for hole in holes:
         lead = _lead(hole, rays, parameters)
         if lead is not None and lead.other in rooms:
             leads[lead.pair].append(lead)
-    return [(pair, group) for pair in sorted(leads) for group in _facing(leads[pair], parameters.max_gap_m)]
+    groups = [
+        Group(pair, tuple(sorted(facing, key=lambda lead: -len(lead.hole.ray))))
+        for pair in sorted(leads)
+        for facing in _facing(leads[pair], parameters.max_gap_m)
+    ]
+    return without_rivals(groups, (), parameters.max_gap_m)
 
 
-def through(group: list[Lead], rays: Rays, pair: tuple[int, int]) -> I32:
+def without_rivals(groups: Sequence[Group], settled: Sequence[Group], max_gap_m: float) -> list[Group]:
+    """Leave out each group that overlaps a settled one, or one of another pair of rooms that has more votes.
+
+    Parameters
+    ----------
+    groups
+        Those to choose from.
+    settled
+        Those that stay in any case.
+    max_gap_m
+        Thickest wall.
+
+    Returns
+    -------
+    The groups that stay, in the order given.
+    """
+    everyone = [*groups, *settled]
+    if not everyone:
+        return []
+    boxes = [_plan_box(group.main, max_gap_m) for group in everyone]
+    tree = STRtree(boxes)
+    stays = [False] * len(groups) + [True] * len(settled)
+    for index in sorted(range(len(groups)), key=lambda i: (-groups[i].votes, i)):
+        near = [j for j in tree.query(boxes[index]) if stays[j]]
+        stays[index] = not any(_overlap(groups[index].main, everyone[j].main, max_gap_m) for j in near)
+    return [group for group, kept in zip(groups, stays, strict=False) if kept]
+
+
+def through(group: Group, rays: Rays) -> I32:
     """Return the rays that join the two rooms through any of the holes, each once."""
-    ray = np.unique(np.concatenate([lead.hole.ray for lead in group]))
+    ray = np.unique(np.concatenate([lead.hole.ray for lead in group.leads]))
     from_room, to_room = rays.from_room[ray], rays.to_room[ray]
-    a, b = pair
+    a, b = group.pair
     joins = ((from_room == a) & (to_room == b)) | ((from_room == b) & (to_room == a))
     return np.asarray(ray[joins], dtype=np.int32)
 
@@ -85,7 +141,7 @@ def _lead(hole: Hole, rays: Rays, parameters: OpeningParameters) -> Lead | None:
     votes = np.bincount(far[others], weight[others])
     other = int(np.argmax(votes))
     total = float(votes.sum()) + same
-    lead = Lead(hole, other, float(votes[other]) / total, same / total)
+    lead = Lead(hole, other, float(votes[other]), float(votes[other]) / total, same / total)
     return lead if lead.same < 0.6 else None
 
 
@@ -115,3 +171,10 @@ def interval(hole: Hole, along: F64) -> tuple[float, float]:
     middle = float(hole.centre @ along)
     half = (abs(float(along @ hole.side.u)) * hole.width + abs(float(along @ hole.side.v)) * hole.height) / 2
     return middle - half, middle + half
+
+
+def _plan_box(hole: Hole, margin: float) -> Polygon:
+    half = (abs(hole.side.u) * hole.width + abs(hole.side.v) * hole.height) / 2
+    low, high = hole.centre - half - margin, hole.centre + half + margin
+    plan: Polygon = box(low[0], low[1], high[0], high[1])
+    return plan

@@ -25,6 +25,8 @@ class OpeningParameters:
         Fewest rays through an opening.
     min_sill_m
         A hole that starts this far above the floor is a window.
+    min_headroom_m
+        Lowest door or passage.
     min_lintel_m
         A hole that ends less than this below the ceiling is a passage.
     max_inset_m
@@ -50,6 +52,7 @@ class OpeningParameters:
     min_height_m: float = 0.4
     min_rays: int = 20
     min_sill_m: float = 0.4
+    min_headroom_m: float = 1.5
     min_lintel_m: float = 0.12
     max_inset_m: float = 0.3
     min_side_surfels: int = 40

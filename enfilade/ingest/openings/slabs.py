@@ -6,15 +6,20 @@ from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
+import shapely
 
-from enfilade.ingest.openings.leads import Lead, through
+from enfilade.ingest.openings.leads import Group, through
 from enfilade.ingest.openings.parameters import OpeningParameters
 from enfilade.ingest.openings.rays import Rays
-from enfilade.ingest.records import Opening, Room
+from enfilade.ingest.openings.walls import confidence
+from enfilade.ingest.records import F64, Opening, Room
 from enfilade.ingest.sides import UP, Side
 
 MAX_HATCH_M: Final = 1.1
 """Longest side of a hatch; a stair needs more."""
+
+HULL_M: Final = 0.2
+"""How far the middle of a hole may lie outside of the plan of its room."""
 
 
 def floor_sides(rooms: Mapping[int, Room]) -> list[Side]:
@@ -23,15 +28,11 @@ def floor_sides(rooms: Mapping[int, Room]) -> list[Side]:
     return [_floor(room) for _, room in sorted(rooms.items()) if room.floor_elevation > lowest]
 
 
-def open_slab(
-    pair: tuple[int, int], group: list[Lead], rays: Rays, rooms: Mapping[int, Room], parameters: OpeningParameters
-) -> Opening | None:
-    """Turn the holes that join two rooms through a floor into one opening; None if they are of one storey.
+def open_slab(group: Group, rays: Rays, rooms: Mapping[int, Room], parameters: OpeningParameters) -> Opening | None:
+    """Turn the holes that join two rooms through a floor into one opening.
 
     Parameters
     ----------
-    pair
-        The two rooms, the lower number first.
     group
         Holes in floors, with the rooms that they lead to.
     rays, rooms, parameters
@@ -39,24 +40,22 @@ def open_slab(
 
     Returns
     -------
-    Its width is the shorter side of the hole, its height the longer one.
+    Its width is the shorter side of the hole, its height the longer one. None if the rooms are of one storey, or the
+    hole lies outside of the upper one, where rays come from the ground outside.
     """
-    a, b = (rooms[number] for number in pair)
-    if abs(a.floor_elevation - b.floor_elevation) < parameters.storey_m:
+    lower, upper = sorted((rooms[number] for number in group.pair), key=lambda room: room.floor_elevation)
+    hole = group.main
+    if upper.floor_elevation - lower.floor_elevation < parameters.storey_m or not _over(hole.centre, upper):
         return None
-    hole = max((lead.hole for lead in group), key=lambda h: len(h.ray))
-    if hole.width * hole.height * hole.fill < parameters.min_stairs_area_m2:
-        return None
-    ray = through(group, rays, pair)
-    if len(ray) < parameters.min_rays:
+    ray = through(group, rays)
+    if hole.width * hole.height * hole.fill < parameters.min_stairs_area_m2 or len(ray) < parameters.min_rays:
         return None
     width, height = sorted((hole.width, hole.height))
-    share = max(lead.share for lead in group)
     return Opening(
         kind="hatch" if height <= MAX_HATCH_M else "stairs",
         orientation="vertical",
-        room_a=pair[0],
-        room_b=pair[1],
+        room_a=group.pair[0],
+        room_b=group.pair[1],
         position=hole.centre,
         normal=UP.copy(),
         width=width,
@@ -65,8 +64,16 @@ def open_slab(
         area=width * height * hole.fill,
         ray_count=len(ray),
         state="open",
-        confidence=float(np.mean([len(ray) / (len(ray) + 50), hole.bounded.mean(), hole.fill, share])),
+        confidence=confidence(group, len(ray), hole.bounded),
     )
+
+
+def _over(place: F64, room: Room) -> bool:
+    """Whether a place lies over the convex hull of a room's plan."""
+    if not room.outline:
+        return True
+    hull = shapely.MultiPoint(room.outline[0]).convex_hull.buffer(HULL_M)
+    return bool(shapely.contains_xy(hull, place[0], place[1]))
 
 
 def _floor(room: Room) -> Side:

@@ -1,31 +1,51 @@
-"""Holes in walls become doors, passages and windows: where each leads, and which belong together."""
+"""Holes in walls become doors, passages and windows."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
-from enfilade.ingest.openings.holes import Hole
-from enfilade.ingest.openings.leads import Lead, group_holes, interval, through
+from enfilade.ingest.openings.leads import Group, interval, through
 from enfilade.ingest.openings.parameters import OpeningParameters
 from enfilade.ingest.openings.rays import Rays
 from enfilade.ingest.records import F64, Bool, Neighbour, Opening, Room
 
+SNAP_M: Final = 0.15
+"""A hole that begins this close to the floor begins at the floor."""
+
+FRAME_M: Final = 0.12
+"""Widest door frame."""
+
+LINE_M: Final = 0.05
+"""Height of the lines across a hole in which frames are looked for."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Doorway:
+    """A group of holes, measured: edges in the axes of its main side, and where and how thick the wall is."""
+
+    edges: F64
+    bounded: Bool
+    offset: float
+    floor: float
+
 
 def open_walls(
-    holes: Iterable[Hole],
+    groups: Iterable[Group],
     rays: Rays,
     rooms: Mapping[int, Room],
     neighbours: tuple[Neighbour, ...],
     parameters: OpeningParameters,
 ) -> list[Opening]:
-    """Turn holes in walls into openings between two rooms.
+    """Turn groups of holes in walls into openings between two rooms.
 
     Parameters
     ----------
-    holes
-        Of all walls.
+    groups
+        Holes that belong together.
     rays
         All rays, with the rooms at their ends.
     rooms
@@ -37,21 +57,66 @@ def open_walls(
 
     Returns
     -------
-    One opening for all holes of a pair of rooms that lie in front of one another.
+    One opening a group, without those that are too small, or beside or above one of the rooms.
     """
     gaps = {(n.room_a, n.room_b): n.gap for n in neighbours}
-    found = (
-        _opening(pair, group, rays, rooms, gaps.get(pair), parameters)
-        for pair, group in group_holes(holes, rays, rooms, parameters)
-    )
+    found = (_opening(group, rays, rooms, gaps.get(group.pair, 0.0), parameters) for group in groups)
     return [opening for opening in found if opening is not None]
 
 
-def _merge_edges(group: list[Lead]) -> tuple[F64, Bool]:
-    """Edges of several holes in the axes of the first: the mean of the bounded ones, else the outermost."""
-    frame = group[0].hole.side
+def _opening(
+    group: Group, rays: Rays, rooms: Mapping[int, Room], gap: float, parameters: OpeningParameters
+) -> Opening | None:
+    pair = [rooms[number] for number in group.pair]
+    doorway = _measure(group, gap, max(room.floor_elevation for room in pair))
+    left, bottom, right, top = doorway.edges.tolist()
+    kind = _kind(doorway, pair, right - left, parameters)
+    ray = through(group, rays)
+    if kind is None or len(ray) < parameters.min_rays or not all(_reaches(room, bottom, top) for room in pair):
+        return None
+    side = group.main.side
+    position = (left + right) / 2 * side.u + (bottom + top) / 2 * side.v + doorway.offset * side.normal
+    return Opening(
+        kind=kind,
+        orientation="horizontal",
+        room_a=group.pair[0],
+        room_b=group.pair[1],
+        position=position,
+        normal=side.normal,
+        width=right - left,
+        height=top - bottom,
+        sill=bottom - doorway.floor,
+        area=(right - left) * (top - bottom),
+        ray_count=len(ray),
+        state="open",
+        confidence=confidence(group, len(ray), doorway.bounded),
+    )
+
+
+def confidence(group: Group, rays: int, bounded: Bool) -> float:
+    """Mean of four shares: rays (half at 50), edges with wall beside them, hole filled by rays, votes agreed."""
+    fill = max(lead.hole.fill for lead in group.leads)
+    share = max(lead.share for lead in group.leads)
+    return float(np.mean([rays / (rays + 50), bounded.mean(), fill, share]))
+
+
+def _measure(group: Group, gap: float, floor: float) -> _Doorway:
+    side = group.main.side
+    edges, bounded = _merge_edges(group)
+    offsets = [float(lead.hole.side.offset * (lead.hole.side.normal @ side.normal)) for lead in group.leads]
+    apart = max(offsets) - min(offsets)
+    offset = (max(offsets) + min(offsets)) / 2 if apart > 0 else side.offset - gap / 2
+    edges = _within_frame(edges, group, max(apart, gap))
+    if edges[1] - floor < SNAP_M:
+        edges[1], bounded[1] = floor, True
+    return _Doorway(edges, bounded, offset, floor)
+
+
+def _merge_edges(group: Group) -> tuple[F64, Bool]:
+    """Edges of several holes in the axes of the main one: the mean of the bounded ones, else the outermost."""
+    frame = group.main.side
     edges, bounded = [], []
-    for lead in group:
+    for lead in group.leads:
         hole = lead.hole
         low, high = interval(hole, frame.u)
         flipped = frame.u @ hole.side.u < 0
@@ -64,57 +129,58 @@ def _merge_edges(group: list[Lead]) -> tuple[F64, Bool]:
     return np.where(count > 0, mean, outermost), count > 0
 
 
-def _opening(
-    pair: tuple[int, int],
-    group: list[Lead],
-    rays: Rays,
-    rooms: Mapping[int, Room],
-    gap: float | None,
-    parameters: OpeningParameters,
-) -> Opening | None:
-    group = sorted(group, key=lambda lead: -len(lead.hole.ray))
-    edges, bounded = _merge_edges(group)
-    floor = max(rooms[number].floor_elevation for number in pair)
-    if edges[1] - floor < 0.15:
-        edges[1], bounded[1] = floor, True
-    side = group[0].hole.side
-    ray = through(group, rays, pair)
-    width, height = (edges[2:] - edges[:2]).tolist()
-    if len(ray) < parameters.min_rays or width < parameters.min_width_m or height < parameters.min_height_m:
-        return None
-    centres = [lead.hole.side.offset * (lead.hole.side.normal @ side.normal) for lead in group]
-    offset = (min(centres) + max(centres)) / 2 if len(group) > 1 else side.offset - (gap or 0.0) / 2
-    middle = (edges[:2] + edges[2:]) / 2
-    position = middle[0] * side.u + middle[1] * side.v + offset * side.normal
-    kind = _kind(edges, bounded, [rooms[number] for number in pair], parameters)
-    return Opening(
-        kind=kind,
-        orientation="horizontal",
-        room_a=pair[0],
-        room_b=pair[1],
-        position=position,
-        normal=side.normal,
-        width=width,
-        height=height,
-        sill=float(edges[1] - floor),
-        area=width * height,
-        ray_count=len(ray),
-        state="open",
-        confidence=_confidence(group, len(ray), bounded),
+def _within_frame(edges: F64, group: Group, thickness: float) -> F64:
+    """Narrow a hole to the clear opening: a door frame stands within the thickness of the wall."""
+    places = [_in_wall(group, index, thickness) for index in range(len(group.leads))]
+    u, v = np.concatenate(places).T
+    left, bottom, right, top = edges.tolist()
+    upright = (v > bottom + 0.2) & (v < top - 0.2)
+    middle = (u > left + 0.1) & (u < right - 0.1)
+    return np.array(
+        [
+            _inner(left, u[upright], v[upright]),
+            bottom,
+            -_inner(-right, -u[upright], v[upright]),
+            -_inner(-top, -v[middle], u[middle]),
+        ]
     )
 
 
-def _kind(edges: F64, bounded: Bool, pair: list[Room], parameters: OpeningParameters) -> str:
-    floor = max(room.floor_elevation for room in pair)
-    if edges[1] - floor > parameters.min_sill_m:
-        return "window"
+def _in_wall(group: Group, index: int, thickness: float) -> F64:
+    """``(k, 2)``: points behind one of the holes that lie within the wall, along the axes of the main side."""
+    hole, frame = group.leads[index].hole, group.main.side
+    end = hole.end[hole.outbound & (hole.beyond < thickness)]
+    return end * [np.sign(frame.u @ hole.side.u), 1.0]
+
+
+def _inner(edge: float, along: F64, across: F64) -> float:
+    """Where most lines across a hole have a point a little inside of its edge, that is the edge."""
+    near = (along > edge - 0.02) & (along < edge + FRAME_M)
+    if not near.any():
+        return edge
+    line = np.floor((across[near] - across.min()) / LINE_M).astype(int)
+    innermost = np.full(int((across.max() - across.min()) / LINE_M) + 1, -np.inf)
+    np.maximum.at(innermost, line, along[near])
+    seen = np.isfinite(innermost)
+    inner = float(np.median(innermost[seen]))
+    return inner if seen.mean() > 0.4 and inner > edge + 0.015 else edge
+
+
+def _reaches(room: Room, bottom: float, top: float) -> bool:
+    """Whether the middle of a hole lies between floor and ceiling of a room."""
+    ceiling = room.ceiling_elevation if room.ceiling_elevation is not None else room.bounds[5]
+    return bool(room.floor_elevation < (bottom + top) / 2 < max(ceiling, room.floor_elevation + 2.0))
+
+
+def _kind(doorway: _Doorway, pair: list[Room], width: float, parameters: OpeningParameters) -> str | None:
+    """Tell what a hole is; None if it is too small, or neither high enough to walk through nor framed by wall."""
+    bottom, top = float(doorway.edges[1]), float(doorway.edges[3])
+    if width < parameters.min_width_m or top - bottom < parameters.min_height_m:
+        return None
+    if bottom - doorway.floor > parameters.min_sill_m:
+        return "window" if doorway.bounded.all() else None
+    if top - bottom < parameters.min_headroom_m:
+        return None
     ceilings = [room.ceiling_elevation for room in pair if room.ceiling_elevation is not None]
-    reaches_ceiling = bool(ceilings) and edges[3] > min(ceilings) - parameters.min_lintel_m
-    return "passage" if reaches_ceiling or not bounded[3] else "door"
-
-
-def _confidence(group: list[Lead], rays: int, bounded: Bool) -> float:
-    """Mean of four shares: rays (half at 50), edges with wall beside them, hole filled by rays, votes agreed."""
-    fill = max(lead.hole.fill for lead in group)
-    share = max(lead.share for lead in group)
-    return float(np.mean([rays / (rays + 50), bounded.mean(), fill, share]))
+    reaches_ceiling = bool(ceilings) and top > min(ceilings) - parameters.min_lintel_m
+    return "passage" if reaches_ceiling or not doorway.bounded[3] else "door"
