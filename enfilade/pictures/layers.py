@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from types import MappingProxyType
+from collections.abc import Iterable
 from typing import Final
 
 import numpy as np
@@ -27,17 +26,25 @@ _WALL_CELL_M: Final = 0.03
 _LEAST_UPRIGHT_M: Final = 0.15
 """Standard deviation of height from which on a plane is a wall."""
 _STEPS: Final = 4
+_ONE_WELL_M: Final = 1.5
+"""Stairs this close in plan share a sign."""
 _THICKEST_WALL_M: Final = 0.7
 _RIM_M: Final = 0.12
 _WALL_BAND_M: Final = (0.5, 2.0)
 """Heights over the floor between which a wall leaves its print."""
 
 
-def draw_walls(axes: Axes, cloud: LabelledCloud, low: float, high: float) -> None:
-    """Show the points of upright planes between two heights as a faint print of the walls."""
-    chosen = (cloud.plane >= 0) & (cloud.positions[:, 2] > low) & (cloud.positions[:, 2] < high)
-    chosen &= _upright(cloud)[cloud.plane]
-    x, y = cloud.positions[chosen, 0], cloud.positions[chosen, 1]
+def wall_points(cloud: LabelledCloud | None) -> F64 | None:
+    """Return the points of upright planes, ``(n, 3)``; None without a cloud."""
+    if cloud is None:
+        return None
+    return cloud.positions[(cloud.plane >= 0) & _upright(cloud)[cloud.plane]]
+
+
+def draw_walls(axes: Axes, walls: F64, band: tuple[float, float]) -> None:
+    """Show the points of walls between two heights as a faint print."""
+    inside = (walls[:, 2] > band[0]) & (walls[:, 2] < band[1])
+    x, y = walls[inside, 0], walls[inside, 1]
     if len(x) == 0:
         return
     x0, x1, y0, y1 = x.min(), x.max(), y.min(), y.max()
@@ -145,18 +152,31 @@ def _write_width(axes: Axes, opening: PlannedOpening) -> None:
 
 def draw_stairs(axes: Axes, scene: PlanScene, size_m: float) -> None:
     """Mark stairs and hatches by a flight of steps that rises to the right, and say where they lead."""
-    for opening in scene.openings:
-        if opening.kind not in ("stairs", "hatch"):
-            continue
-        colour = OPENING_COLOURS[opening.kind]
-        corner = opening.position - size_m / 2
+    for flight in _flights(scene):
+        first = flight[0]
+        colour = OPENING_COLOURS[first.kind]
+        corner = first.position - size_m / 2
         square = (float(corner[0]), float(corner[1]))
         axes.add_patch(Rectangle(square, size_m, size_m, facecolor=PAPER, edgecolor=colour, linewidth=1.2, zorder=5))
         axes.add_line(Line2D(*(corner + _flight() * size_m).T, color=colour, linewidth=1.3, zorder=5.1))
-        where = _leading(scene, opening)
-        if where:
-            style = words(6.5, color=colour, va="top", zorder=6, path_effects=halo())
-            axes.text(opening.position[0], corner[1] - 0.08 * size_m, where, **style)
+        where = dict.fromkeys(filter(None, (_leading(scene, opening) for opening in flight)))
+        style = words(6.5, color=colour, va="top", zorder=6, path_effects=halo())
+        axes.text(first.position[0], corner[1] - 0.08 * size_m, "\n".join(where), **style)
+
+
+def _flights(scene: PlanScene) -> list[list[PlannedOpening]]:
+    """Stairs and hatches, those that lie over one another together."""
+    groups: list[list[PlannedOpening]] = []
+    for opening in scene.openings:
+        if opening.kind not in ("stairs", "hatch"):
+            continue
+        over = (group for group in groups if np.hypot(*(group[0].position - opening.position)) < _ONE_WELL_M)
+        group = next(over, None)
+        if group is None:
+            groups.append([opening])
+        else:
+            group.append(opening)
+    return groups
 
 
 def _flight() -> F64:
@@ -195,35 +215,6 @@ def draw_graph(axes: Axes, scene: PlanScene, *, node_pt: float) -> None:
     if place:
         x, y = np.array(list(place.values())).T
         axes.scatter(x, y, s=node_pt**2, facecolor=INK, edgecolor=PAPER, linewidth=0.9, zorder=7)
-
-
-def write_names(
-    axes: Axes,
-    rooms: Iterable[PlannedRoom],
-    points_per_metre: float,
-    *,
-    largest_pt: float,
-    prefixes: Mapping[str, str] = MappingProxyType({}),
-) -> None:
-    """Write name and area under each room's node, as large as the room allows; in the smallest rooms just a number.
-
-    `prefixes` by room id are written before the name.
-    """
-    for room in rooms:
-        name, area = shortened(room.name, 18), room.node.properties.get("area")
-        if prefixes.get(room.node.id):
-            name = f"{prefixes[room.node.id]} · {name}"
-        wide = 2 * room.clearance * points_per_metre * 1.15
-        size = min(largest_pt, wide / (0.58 * max(len(name), 4)), room.clearance * points_per_metre / 2.1)
-        if size < 4.2:
-            name, area = room.node.id.rsplit("/r", 1)[-1], None
-            size = float(np.clip(wide / (0.6 * max(len(name), 2)), 3.6, 5.0))
-        x, y = room.place
-        down = -(3.0 + 0.75 * size) / points_per_metre
-        axes.text(x, y + down, name, **words(size, weight="bold", zorder=8, path_effects=halo()))
-        if area is not None:
-            style = words(0.85 * size, color=FAINT_INK, zorder=8, path_effects=halo())
-            axes.text(x, y + down - 1.2 * size / points_per_metre, f"{area:.1f} m²", **style)
 
 
 def draw_scale(axes: Axes, x: float, y: float, span_m: float) -> None:

@@ -30,8 +30,9 @@ from .layers import (
     draw_stairs,
     draw_walls,
     wall_band,
-    write_names,
+    wall_points,
 )
+from .names import write_names
 from .scene import Bounds, PlanScene, plan_scene
 from .solid import Camera, render_mesh, render_points, span_of
 from .style import FAINT_INK, HIGHLIGHT, OBJECT, halo, shortened, words
@@ -114,9 +115,10 @@ def draw_match(
     ][:_MOST_OBJECTS]
     frame = _frame(scenes, columns)
     figure, panels, images, points_per_metre = _grid(len(scenes), len(objects), frame)
+    walls = wall_points(cloud)
     for axes, scene in zip(panels, scenes, strict=True):
         _show(axes, frame)
-        _draw_panel(axes, scene, columns, cloud, points_per_metre)
+        _draw_panel(axes, scene, columns, walls, points_per_metre)
         _mark_objects(axes, scene, objects, points_per_metre)
         _name_storey(axes, graph, ends.storey_of[next(iter(scene.rooms))])
     draw_scale(panels[0], frame[0], frame[1] - 0.3 * 72 / points_per_metre, frame[2] - frame[0])
@@ -198,7 +200,7 @@ def _draw_panel(
     axes: Axes,
     scene: PlanScene,
     columns: Mapping[str, str],
-    cloud: LabelledCloud | None,
+    walls: F64 | None,
     points_per_metre: float,
 ) -> None:
     """Draw the rooms of the match on one storey, the rest of it pale."""
@@ -209,9 +211,9 @@ def _draw_panel(
     match = replace(scene, rooms=chosen, openings=ways, neighbours=())
     draw_masonry(axes, scene)
     draw_rooms(axes, others, outlined=False)
-    draw_rooms(axes, chosen.values(), outlined=cloud is None)
-    if cloud is not None:
-        draw_walls(axes, cloud, *wall_band(scene))
+    draw_rooms(axes, chosen.values(), outlined=walls is None)
+    if walls is not None:
+        draw_walls(axes, walls, wall_band(scene))
     draw_openings(axes, match, widths=True)
     draw_graph(axes, match, node_pt=5.0)
     draw_stairs(axes, match, size_m=15 / points_per_metre)

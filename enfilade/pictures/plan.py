@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from numpy.typing import NDArray
 
 from enfilade.clouds import LabelledCloud
 from enfilade.errors import NotFoundError
@@ -24,20 +25,24 @@ from .layers import (
     draw_stairs,
     draw_walls,
     wall_band,
-    write_names,
+    wall_points,
 )
+from .names import write_names
 from .scene import PlanScene, plan_scene
 from .style import FAINT_INK, INK, OPENING_COLOURS, shortened, words
 
+F64 = NDArray[np.float64]
+
 _LONG_SIDE_IN: Final = 9.0
 _LARGEST_IN: Final = 20.0
-_IN_PER_ROOM_SIDE: Final = 1.25
-"""A storey with many rooms gets a larger sheet: so many inches for each room along a side."""
+_IN_PER_M: Final = 0.4
+"""A large building gets a larger sheet, so that its scale stays about 1:100."""
+_MOST_IN_PER_M: Final = 1.6
 _MARGIN_M: Final = 0.6
 _HEAD_IN: Final = 0.7
 _FOOT_IN: Final = 0.65
-_FEW_ROOMS: Final = 30
-"""Up to so many rooms widths of doors are written beside them."""
+_WIDTHS_PT_PER_M: Final = 24.0
+"""From this scale on the widths of doors are written beside them."""
 
 
 def draw_storeys(graph: BuildingGraph, path: Path, *, cloud: LabelledCloud | None = None) -> list[Path]:
@@ -54,12 +59,12 @@ def draw_storeys(graph: BuildingGraph, path: Path, *, cloud: LabelledCloud | Non
         As `draw_plan`.
     """
     check_suffix(path)
-    drawn = []
+    drawn, walls = [], wall_points(cloud)
     for storey in sorted(graph.of_label("Storey"), key=lambda node: (node.properties.get("index", 0), node.id)):
         scene = plan_scene(graph, [room.id for room in graph.targets(storey.id, "HAS_ROOM")])
         if scene.rooms:
             drawn.append(path.with_name(f"{path.stem}-{storey.id.rsplit('/', 1)[-1]}{path.suffix}"))
-            _draw(scene, drawn[-1], _title(graph, storey), cloud)
+            _draw(scene, drawn[-1], _title(graph, storey), walls)
     if not drawn:
         raise NotFoundError(f"The building {graph.building!r} has no room with an outline or a centre to draw.")
     return drawn
@@ -102,7 +107,7 @@ def draw_plan(
     scene = plan_scene(graph, [room.id for room in graph.targets(node.id, "HAS_ROOM")])
     if not scene.rooms:
         raise NotFoundError(f"The storey {node.id!r} has no room with an outline or a centre to draw.")
-    _draw(scene, path, title or _title(graph, node), cloud)
+    _draw(scene, path, title or _title(graph, node), wall_points(cloud))
 
 
 def _storey(graph: BuildingGraph, storey: str | None) -> Node:
@@ -121,14 +126,14 @@ def _title(graph: BuildingGraph, storey: Node) -> str:
     return f"{shortened(str(building or graph.building), 40)} · {shortened(str(name), 40)}"
 
 
-def _draw(scene: PlanScene, path: Path, title: str, cloud: LabelledCloud | None) -> None:
+def _draw(scene: PlanScene, path: Path, title: str, walls: F64 | None) -> None:
     figure, axes, points_per_metre = plan_axes(scene)
     draw_masonry(axes, scene)
-    draw_rooms(axes, scene.rooms.values(), outlined=cloud is None)
-    if cloud is not None:
-        draw_walls(axes, cloud, *wall_band(scene))
-    draw_openings(axes, scene, widths=len(scene.rooms) <= _FEW_ROOMS)
-    draw_graph(axes, scene, node_pt=5.0 if len(scene.rooms) <= _FEW_ROOMS else 3.6)
+    draw_rooms(axes, scene.rooms.values(), outlined=walls is None)
+    if walls is not None:
+        draw_walls(axes, walls, wall_band(scene))
+    draw_openings(axes, scene, widths=points_per_metre >= _WIDTHS_PT_PER_M)
+    draw_graph(axes, scene, node_pt=5.0 if points_per_metre >= _WIDTHS_PT_PER_M else 3.6)
     draw_stairs(axes, scene, size_m=15 / points_per_metre)
     write_names(axes, scene.rooms.values(), points_per_metre, largest_pt=9.0)
     _write_head(figure, scene, title)
@@ -140,8 +145,8 @@ def plan_axes(scene: PlanScene) -> tuple[Figure, Axes, float]:
     """Return a sheet for a plan, its axes in metres, and how many points a metre has on paper."""
     x0, y0, x1, y1 = scene.bounds
     width, height = x1 - x0 + 2 * _MARGIN_M, y1 - y0 + 2 * _MARGIN_M
-    long_side = float(np.clip(_IN_PER_ROOM_SIDE * np.sqrt(len(scene.rooms)) * 1.6, _LONG_SIDE_IN, _LARGEST_IN))
-    scale = min(long_side / max(width, height), 1.6)
+    long_side = max(width, height)
+    scale = min(max(_LONG_SIDE_IN / long_side, _IN_PER_M), _LARGEST_IN / long_side, _MOST_IN_PER_M)
     across, up = max(width * scale, 6.5), height * scale
     figure = sheet(across, up + _HEAD_IN + _FOOT_IN)
     total = up + _HEAD_IN + _FOOT_IN

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from shapely import Polygon, STRtree
+from shapely import Point, Polygon, STRtree
 from shapely.errors import GEOSException
 from shapely.ops import polylabel
 
@@ -34,8 +34,6 @@ class PlannedRoom:
         Outline, ``(K, 2)`` arrays in metres, the outer one first; its bounds or a dot where none is known.
     place
         ``(2,)`` where its node and name go: well inside.
-    clearance
-        Distance from there to the nearest wall, metres.
     tint
         Colour.
     """
@@ -44,7 +42,6 @@ class PlannedRoom:
     rings: tuple[F64, ...]
     polygon: Polygon
     place: F64
-    clearance: float
     tint: str
 
     @property
@@ -159,13 +156,21 @@ def _polygon(properties: Mapping[str, Any]) -> Polygon | None:
 
 
 def _room(node: Node, polygon: Polygon, tint: str) -> PlannedRoom:
-    try:
-        place = polylabel(polygon, tolerance=0.05)
-    except GEOSException:
-        place = polygon.representative_point()
+    place = _place(polygon)
     rings = tuple(np.asarray(ring.coords, dtype=np.float64)[:, :2] for ring in (polygon.exterior, *polygon.interiors))
-    clearance = float(place.distance(polygon.boundary))
-    return PlannedRoom(node, rings, polygon, np.array([place.x, place.y]), clearance, tint)
+    return PlannedRoom(node, rings, polygon, np.array([place.x, place.y]), tint)
+
+
+def _place(polygon: Polygon) -> Point:
+    """Return the centre of a room where it lies well inside, else the point farthest from the walls."""
+    centre = polygon.centroid
+    try:
+        inmost = polylabel(polygon, tolerance=0.05)
+    except GEOSException:
+        return polygon.representative_point()
+    boundary = polygon.boundary
+    inside = polygon.contains(centre) and centre.distance(boundary) > 0.6 * inmost.distance(boundary)
+    return centre if inside else inmost
 
 
 def _opening(node: Node, rooms: tuple[str, ...]) -> PlannedOpening | None:
@@ -183,8 +188,8 @@ def _tints(shapes: Mapping[str, Polygon], touching: Iterable[tuple[str, ...]]) -
     """Colour rooms so that those next to one another differ: greedily, the tint used least so far first."""
     beside: dict[str, set[str]] = {room: set() for room in shapes}
     rooms = list(shapes)
-    tree = STRtree(list(shapes.values()))
-    near = tree.query(list(shapes.values()), predicate="dwithin", distance=_NEXT_DOOR_M).T
+    outlines = np.array(list(shapes.values()), dtype=object)
+    near = STRtree(outlines).query(outlines, predicate="dwithin", distance=_NEXT_DOOR_M).T
     for a, b in [*((rooms[i], rooms[j]) for i, j in near), *touching]:
         if a != b and a in beside and b in beside:
             beside[a].add(b)
