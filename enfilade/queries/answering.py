@@ -121,7 +121,7 @@ class _Answering:
         result: list[Match] = []
         for match, extensions in zip(matches, found, strict=True):
             fitting = [extension for extension in extensions if self._fits(extension, match)]
-            result += fitting or [Match(match.elements | missing)]
+            result += fitting or [Match({**match.elements, **missing})]
         return result
 
     def _fits(self, extended: Match, match: Match) -> bool:

@@ -151,7 +151,7 @@ class Builder:
         return name
 
     def _joined(self, first: NodePattern, again: NodePattern) -> NodePattern:
-        """A node that is mentioned twice has what both mentions say."""
+        """Return what two mentions of a node say together."""
         if first.label and again.label and first.label != again.label:
             raise self._error(
                 f'"{first.name}" is a {first.label} already and cannot be a {again.label}; use another name.',
@@ -352,7 +352,7 @@ def _trees(tree: Branch) -> list[Branch]:
     return [child for child in tree.children if isinstance(child, Tree)]
 
 
-def _subtrees(tree: Branch, kind: str) -> Iterable[Branch]:
+def _subtrees(tree: Branch, kind: str) -> Iterator[Branch]:
     return (child for child in _trees(tree) if child.data == kind)
 
 

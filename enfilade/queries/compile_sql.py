@@ -26,7 +26,11 @@ def compile_sql(search: Search) -> Compiled:
 
 
 class SqlCompiler(Compiler):
-    """Writes SQL for SQLite."""
+    """Writes SQL for SQLite.
+
+    The text is put together from names of the schema, aliases made here and marks of parameters, never from values:
+    what a linter takes for injection (S608) is none.
+    """
 
     dialect = "sql"
     mark = ":"
@@ -83,7 +87,7 @@ class SqlCompiler(Compiler):
         conditions.append(f"{rooms.pop()} = {end}")
         rooms.append(end)
         conditions += [f"{a} <> {b}" for i, a in enumerate(rooms) for b in rooms[i + 1 :] if (i, b) != (0, end)]
-        return f"EXISTS (SELECT 1 FROM {', '.join(tables)} WHERE {' AND '.join(conditions)})"
+        return f"EXISTS (SELECT 1 FROM {', '.join(tables)} WHERE {' AND '.join(conditions)})"  # noqa: S608
 
     def _opening_step(self, route: Route, room: str, tables: list[str], conditions: list[str]) -> str:
         enter, opening, leave = self._new("e"), self._new("x"), self._new("e")
@@ -109,7 +113,8 @@ class SqlCompiler(Compiler):
         return f"{following}.pk"
 
     def _same_parts(self, a: str, b: str) -> str:
-        return f"EXISTS (SELECT 1 FROM {self._segments(a, 'x')} JOIN {self._segments(b, 'y')} ON x.value = y.value)"
+        both = f"{self._segments(a, 'x')} JOIN {self._segments(b, 'y')} ON x.value = y.value"
+        return f"EXISTS (SELECT 1 FROM {both})"  # noqa: S608
 
     def _segments(self, alias: str, name: str) -> str:
         segments, id = self._property(alias, "segments"), self._property(alias, "id")
@@ -132,7 +137,7 @@ class SqlCompiler(Compiler):
         return f"({item} IN ({', '.join(values)}))"
 
     def _among(self, item: str, parameter: str) -> str:
-        return f"{item} IN (SELECT value FROM json_each({parameter}))"
+        return f"{item} IN (SELECT value FROM json_each({parameter}))"  # noqa: S608
 
     def _text_test(self, operator: str, left: str, right: str, value: str) -> str:
         if not value:  # every text has the empty one in it, but what is missing stays unknown

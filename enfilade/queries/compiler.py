@@ -223,7 +223,7 @@ class Compiler(ABC):
         return found
 
     def _likeness(self, alias: str, likeness: Likeness, *, inner: bool) -> str:
-        """Exact where a limit makes the list short, or nothing comes after; else only what cannot be like is left out."""
+        """Test likeness where a limit makes the list short or nothing comes after; else leave out what has no shape."""
         if inner or likeness.within is not None:
             return self._among(self._property(alias, "id"), self._parameter(LikeIds(likeness)))
         shapes = (self._property(alias, name) for name in ("descriptor", "foot_descriptor"))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import combinations, product
+from itertools import combinations, pairwise, product
 
 from enfilade.schema.definition import EDGES
 
@@ -139,7 +139,7 @@ def _readings(edge: EdgePattern, pattern: Pattern) -> list[tuple[str, ...]]:
     left, right = pattern.node(edge.left), pattern.node(edge.right)
     assert left is not None
     assert right is not None
-    labels = (left.label, right.label)
+    labels = (str(left.label), str(right.label))
     stored = [(type,) for type in edge.types if type not in OPENING_EDGES]
     readings = [openings, *stored] if openings else stored
     return [types for types in readings if labels in end_labels(types[0], edge.direction)]
@@ -236,7 +236,7 @@ class _Spelling:
         part = {point.name: point.name for point in points}
         ties = [*((link.source, link.target) for link in self._links), *((r.left, r.right) for r in self._routes)]
         given = [point.name for point in points if point.given]
-        for a, b in (*ties, *zip(given, given[1:], strict=False)):
+        for a, b in (*ties, *pairwise(given)):
             old, new = part[b], part[a]
             part = {name: new if root == old else root for name, root in part.items()}
         first: dict[str, str] = {}
@@ -245,7 +245,7 @@ class _Spelling:
         ends = list(first.values())
         if self._beside is not None and not given:
             ends.insert(0, self._beside)
-        yield from zip(ends, ends[1:], strict=False)
+        yield from pairwise(ends)
 
 
 def _kinds(types: Iterable[str]) -> tuple[str, ...] | None:

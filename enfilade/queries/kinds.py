@@ -14,7 +14,6 @@ from enfilade.schema.definition import Kind, Property
 
 from .query_graph import Between, Constraint, Equal, Likeness, Pattern, QueryGraph
 from .syntax import (
-    SCORES,
     Arithmetic,
     Call,
     Comparison,
@@ -32,7 +31,6 @@ from .syntax import (
     TextTest,
     Variable,
     children,
-    walk,
 )
 from .vocabulary import Meaning, edge_meaning, shared_properties
 
@@ -269,6 +267,5 @@ def _elements(container: Expression, scope: Scope) -> set[str]:
     return set()
 
 
-def uses_scores(expression: Expression) -> bool:
-    """Whether an expression asks for `score` or `mean_score`."""
-    return any(isinstance(part, Variable) and part.name in SCORES for part in walk(expression))
+def _shown(value: object) -> str:
+    return "an expression" if value is None else repr(value)

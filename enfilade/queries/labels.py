@@ -32,7 +32,7 @@ def inferred_labels(pattern: Pattern, known: Mapping[str, str | None], fail: Fai
             fail(f'"{node.name}" is a {known[node.name]}, not a {node.label}; use another name.', node.place)
     narrowed = True
     while narrowed:
-        narrowed = any([_narrow(edge, possible, fail) for edge in pattern.edges])
+        narrowed = any(_narrow(edge, possible, fail) for edge in pattern.edges)
     for node in pattern.nodes:
         if len(possible[node.name]) > 1:
             options = ", ".join(label for label in NODES if label in possible[node.name])

@@ -90,7 +90,7 @@ def _parser() -> Lark:
 
 def _explained(error: UnexpectedInput, text: str) -> QuestionError:
     word = _word_at(error, text)
-    clause = _CLAUSE_BEFORE.search(text, 0, error.pos_in_stream) if word else None
+    clause = _CLAUSE_BEFORE.search(text, 0, error.pos_in_stream or 0) if word else None
     if clause is not None and not _STARTED.search(text, 0, clause.start()):
         message = f'"{clause[1]}" is not understood here; a value is missing before it.'
         return QuestionError(message, text=text, **_place_of(text, clause.start(1)))
@@ -116,7 +116,7 @@ def _sentence(error: UnexpectedInput, word: str, text: str) -> str:
 
 
 def _suspects(error: UnexpectedInput, word: str, text: str) -> list[str]:
-    """The word that is wrong and the one before it, in capitals; ``CASE`` is read as a name, WHEN is not."""
+    """Return the word that is wrong and the one before it, in capitals: CASE is read as a name, WHEN is not."""
     before = text[: error.pos_in_stream or 0].split()
     return [word.upper(), *(part.upper() for part in before[-1:])]
 

@@ -83,7 +83,7 @@ def _before(new: list[str], edge: EdgePattern) -> list[str]:
     """Names of nodes that must be mentioned before the edge, to keep the order of appearance."""
     ends = [new.index(name) for name in (edge.left, edge.right) if name in new]
     if len(ends) == 2 and ends[0] > ends[1]:
-        return new[: ends[1] + 1] + [name for name in new[ends[1] + 1 : ends[0]]]
+        return new[: ends[1] + 1] + new[ends[1] + 1 : ends[0]]
     last = max(ends, default=0)
     return [name for name in new[:last] if name not in (edge.left, edge.right)]
 

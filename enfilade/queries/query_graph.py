@@ -128,7 +128,7 @@ class Pattern:
     where: Expression | None = None
 
     def __post_init__(self) -> None:
-        """Number the edges without a name; that a name is new says nothing about the pattern."""
+        """Give numbers to the edges that have none."""
         numbers = count(1)
         edges = tuple(
             replace(edge, name=f"{UNNAMED}e{next(numbers)}") if edge.name == UNNAMED else edge for edge in self.edges

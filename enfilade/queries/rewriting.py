@@ -46,7 +46,7 @@ def _constraint(constraint: Constraint, change: Change) -> Constraint:
 
 
 def _likeness(likeness: Likeness, change: Change) -> Likeness:
-    """The reference itself stays: it is looked up when the example is read."""
+    """Return a likeness with other limits; the reference stays, it is looked up when the example is read."""
     at = None if likeness.at is None else (change(likeness.at[0]), change(likeness.at[1]))
     return replace(likeness, within=_changed(likeness.within, change), at=at)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-
 from .kinds import Scope, scope_of
 from .query_graph import EdgePattern, Pattern
 from .syntax import (

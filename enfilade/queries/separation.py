@@ -21,8 +21,8 @@ def separated(query: QueryGraph) -> QueryGraph:
     called: Names = {}
     patterns = []
     for pattern in (query.pattern, *query.optional):
-        pattern, called = renamer.pattern(pattern, called)
-        patterns.append(pattern)
+        renamed, called = renamer.pattern(pattern, called)
+        patterns.append(renamed)
     return replace(
         query,
         pattern=patterns[0],

@@ -16,8 +16,11 @@ _ESCAPED: Final = {"\\": "\\", "'": "'", '"': '"', "`": "`", "b": "\b", "f": "\f
 _FOLDED_FUNCTIONS: Final = {name.casefold(): name for name in FUNCTIONS}
 
 KEYWORDS: Final = frozenset(
-    "match optional where return like within at as order by skip limit per building or xor and not starts ends with"
-    " contains in is null true false all distinct asc ascending desc descending".split()
+    re.findall(
+        r"\w+",
+        "match optional where return like within at as order by skip limit per building or xor and not starts ends with"
+        " contains in is null true false all distinct asc ascending desc descending",
+    )
 )
 """Words that are read as themselves where a name could stand; such a name is written in backquotes."""
 

@@ -45,9 +45,7 @@ def order_of_appearance(pattern: Pattern) -> list[str]:
 def question_symmetries(query: QueryGraph) -> list[Symmetry]:
     """Symmetries of a whole question, without the identity."""
     scope = whole_scope(query)
-    sides: list[Callable[[Symmetry], object]] = []
-    for pattern in (query.pattern, *query.optional):
-        sides.append(_conditions(pattern, scope))
+    sides = [_conditions(pattern, scope) for pattern in (query.pattern, *query.optional)]
     columns = [column.expression for column in query.columns]
     sides.append(lambda names: frozenset(canonical(e, names, scope) for e in columns))
     sides.append(lambda names: [(canonical(k.expression, names, scope), k.descending) for k in query.order])
@@ -178,5 +176,5 @@ def _settled(edge: _Edge, names: object, free: object) -> bool:
 
 
 def _alone(name: str, expressions: Sequence[Expression], scope: Scope) -> list[str]:
-    """What is said of one node and nothing else: nodes of which other things are said are no likes."""
+    """Return what is said of one node alone: nodes of which other things are said are no likes."""
     return sorted({canonical(e, {name: "?"}, scope) for e in expressions if set(free_variables(e)) == {name}})

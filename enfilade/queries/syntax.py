@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields, replace
-from typing import TYPE_CHECKING, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 if TYPE_CHECKING:
     from .query_graph import Pattern
@@ -176,13 +176,13 @@ def walk(expression: Expression) -> Iterator[Expression]:
 
 def rebuilt(expression: AnyExpression, change: Callable[[Expression], Expression]) -> AnyExpression:
     """Return the same expression with `change` applied to each of its direct children."""
-    changed = {}
+    changed: dict[str, Any] = {}
     for spot in fields(expression):
         value = getattr(expression, spot.name)
         if isinstance(value, Expression):
             changed[spot.name] = change(value)
         elif isinstance(value, tuple) and any(isinstance(item, Expression) for item in value):
-            changed[spot.name] = tuple(change(item) for item in value)  # type: ignore[assignment]
+            changed[spot.name] = tuple(change(item) for item in value)
     return replace(expression, **changed) if changed else expression
 
 

@@ -7,10 +7,20 @@ from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from enfilade.errors import QuestionError
+from enfilade.queries.examples import Examples, number_of
+from enfilade.queries.query_graph import Column
+from enfilade.queries.syntax import (
+    Call,
+    Expression,
+    Literal,
+    PropertyOf,
+    Variable,
+    aggregates,
+    children,
+    is_aggregate,
+    rebuilt,
+)
 
-from ..examples import Examples, number_of
-from ..query_graph import Column
-from ..syntax import Call, Expression, Literal, PropertyOf, Variable, aggregates, children, is_aggregate, rebuilt
 from .matches import Match
 from .values import plain, value_of
 
@@ -96,7 +106,7 @@ def _average(values: list[Any]) -> float | None:
 
 
 def _deviation(values: list[Any]) -> float:
-    """Standard deviation of a sample; 0 where there are fewer than two values."""
+    """Return the standard deviation of a sample; 0 where there are fewer than two values."""
     if len(values) < 2:
         return 0.0
     mean = math.fsum(values) / len(values)
@@ -104,7 +114,7 @@ def _deviation(values: list[Any]) -> float:
 
 
 def _percentile(values: list[Any], share: float) -> float | None:
-    """The value below which a share of the values lies, interpolated."""
+    """Return the value below which a share of the values lies, interpolated."""
     if not values:
         return None
     ordered = sorted(values)

@@ -11,21 +11,21 @@ import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+from enfilade.queries.compile_cypher import compile_cypher
+from enfilade.queries.compile_sql import compile_sql
+from enfilade.queries.compiler import Compiled, GivenIds, LikeIds, Search, Wanted
+from enfilade.queries.examples import Examples
+from enfilade.queries.expansion import Expansion, expansions, given_nodes
+from enfilade.queries.explanation import Explanation, step_of
+from enfilade.queries.kinds import Scope, scope_of
+from enfilade.queries.query_graph import Pattern
+from enfilade.queries.symmetry import Symmetry, inner_symmetries, order_of_appearance
+from enfilade.queries.syntax import Expression, Subquery, walk
 from enfilade.schema.definition import EDGE_PROPERTIES, NODE_PROPERTIES
 from enfilade.schema.definition import Property as SchemaProperty
 from enfilade.stores.base import Store
 from enfilade.stores.deadline import Deadline
 
-from ..compile_cypher import compile_cypher
-from ..compile_sql import compile_sql
-from ..compiler import Compiled, GivenIds, LikeIds, Search, Wanted
-from ..examples import Examples
-from ..expansion import Expansion, expansions, given_nodes
-from ..explanation import Explanation, step_of
-from ..kinds import Scope, scope_of
-from ..query_graph import Pattern
-from ..symmetry import Symmetry, inner_symmetries, order_of_appearance
-from ..syntax import Expression, Subquery, walk
 from .decoding import decoded
 from .matches import Element, Match
 from .needs import split_conditions
@@ -104,7 +104,7 @@ class Matcher:
                 key = self._key(given, found) if outer else None
                 groups.setdefault(key, []).append({n: e for n, e in found.items() if n not in given})
         extensions = [
-            [Match(match.elements | found) for found in groups.get(self._key_of(given, match, outer), ())]
+            [Match({**match.elements, **found}) for found in groups.get(self._key_of(given, match, outer), ())]
             for match in matches
         ]
         return self._tested(extensions, after, scope)
@@ -115,7 +115,7 @@ class Matcher:
 
     @staticmethod
     def _key(given: Sequence[str], found: Mapping[str, Element]) -> Any:
-        """What a row shares with the matches that it extends: the nodes they both name, or the building."""
+        """Return what a row shares with the matches that it extends: the nodes they both name, or the building."""
         if given:
             return tuple(found[name].id for name in given)
         return next(element.building for element in found.values() if element.is_node)
@@ -128,9 +128,9 @@ class Matcher:
 
     def _columns(self, expansion: Expansion) -> tuple[Wanted, ...]:
         columns = []
-        for element in (*expansion.points, *expansion.links):
-            extra = sorted(self._needed.get(element.name, set()) - {"id"})
-            columns += [Wanted(element.name, name) for name in ("id", *extra)]
+        for element in [*(point.name for point in expansion.points), *(link.name for link in expansion.links)]:
+            extra = sorted(self._needed.get(element, set()) - {"id"})
+            columns += [Wanted(element, name) for name in ("id", *extra)]
         return tuple(columns)
 
     # Statements and rows

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..kinds import Scope, scope_of, whole_scope
-from ..query_graph import Pattern, QueryGraph
-from ..sayable import sayable
-from ..syntax import Expression, PropertyOf, Subquery, conjuncts, walk
+from enfilade.queries.kinds import Scope, scope_of, whole_scope
+from enfilade.queries.query_graph import Pattern, QueryGraph
+from enfilade.queries.sayable import sayable
+from enfilade.queries.syntax import Expression, PropertyOf, Subquery, conjuncts, walk
 
 
 def needed_properties(query: QueryGraph) -> dict[str, set[str]]:

@@ -6,9 +6,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import combinations
 from typing import Any, Final
 
-from ..examples import Examples, number_of
-from ..query_graph import Likeness, Pattern
-from ..symmetry import Symmetry
+from enfilade.queries.examples import Examples, number_of
+from enfilade.queries.query_graph import Likeness, Pattern
+from enfilade.queries.symmetry import Symmetry
+
 from .matches import Element, Match
 
 GREATEST_DISTANCE: Final = 2.0
@@ -41,7 +42,7 @@ def _distance(match: Match, name: str, likeness: Likeness, examples: Examples) -
 
 
 def ids_key(match: Match, names: Sequence[str]) -> tuple[tuple[bool, Any], ...]:
-    """What the ids of elements sort by; a missing one comes last."""
+    """Return what the ids of elements sort by; a missing one comes last."""
     return tuple((id is None, "" if id is None else id) for id in map(match.id_of, names))
 
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from enfilade.errors import UnsupportedError
+from enfilade.queries.examples import Examples
+from enfilade.queries.query_graph import QueryGraph
+from enfilade.queries.syntax import Expression, Literal, Variable, aggregates, rebuilt
 
-from ..examples import Examples
-from ..query_graph import QueryGraph
-from ..syntax import Expression, Literal, Variable, aggregates, rebuilt
 from .aggregating import check_grouping, grouped, hashable
 from .matches import Match
 from .pruning import ids_key
@@ -28,7 +28,7 @@ class _Row:
 
 
 def ranked(matches: list[Match], named: Sequence[str], rest: Sequence[str]) -> list[Match]:
-    """Matches by score, best first; ties by the ids of the named nodes, then of everything else."""
+    """Order matches by score, best first; ties by the ids of the named nodes, then of everything else."""
     order = [*named, *rest]
     return sorted(matches, key=lambda match: (-match.score, ids_key(match, order)))
 
@@ -98,7 +98,7 @@ def _distinct(rows: Iterable[_Row]) -> list[_Row]:
 
 
 def _key_of_values(query: QueryGraph, values: tuple[Any, ...], examples: Examples) -> tuple[Any, ...]:
-    """What a row without a match of its own sorts by: ORDER BY, then the score, then column by column."""
+    """Return what a row without a match of its own sorts by: ORDER BY, the score, then column by column."""
     by_expression = {c.expression: value for c, value in zip(query.columns, values, strict=True)}
     asked = [
         _directed(value_of(_with_columns(k.expression, by_expression), Match({}), examples), k.descending)

@@ -7,10 +7,9 @@ from collections.abc import Callable, Iterable
 from typing import Any, Final
 
 from enfilade.errors import QuestionError
-
-from ..examples import Examples
-from ..query_graph import Likeness
-from ..syntax import (
+from enfilade.queries.examples import Examples
+from enfilade.queries.query_graph import Likeness
+from enfilade.queries.syntax import (
     Arithmetic,
     Call,
     Comparison,
@@ -27,6 +26,7 @@ from ..syntax import (
     TextTest,
     Variable,
 )
+
 from .matches import Element, Match
 
 
