@@ -82,8 +82,10 @@ def correspond(prediction: LabelledCloud, truth: LabelledCloud) -> Cells:
 
 def overlap(true: I32, predicted: I32) -> Overlap:
     """Count labels and pairs of labels."""
-    pairs, counts = np.unique(np.column_stack([true, predicted]), axis=0, return_counts=True)
-    both = {(int(t), int(p)): int(count) for (t, p), count in zip(pairs, counts, strict=True)}
+    width = int(predicted.max(initial=-1)) + 2
+    keys, counts = np.unique((true.astype(np.int64) + 1) * width + predicted + 1, return_counts=True)
+    pairs = zip((keys // width - 1).tolist(), (keys % width - 1).tolist(), strict=True)
+    both = dict(zip(pairs, counts.tolist(), strict=True))
     return Overlap(_counts(true), _counts(predicted), both)
 
 
