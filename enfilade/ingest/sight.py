@@ -1,0 +1,195 @@
+"""How far scans look into each other's surroundings, seen from under the ceiling."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from .records import F32, F64, I32, Bool, Planes
+from .structure import Structure
+
+I64 = NDArray[np.int64]
+_RIVALS: Final = 6
+_SHORT_OF_WALL: Final = 0.95
+_GOLDEN: Final = (np.sqrt(5.0) - 1.0) / 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class SightParameters:
+    """How views are compared.
+
+    Attributes
+    ----------
+    reach_m
+        Scans farther apart than this are not compared.
+    level_m
+        Nor those farther apart than this in height.
+    azimuths
+        Directions in which a viewpoint looks around.
+    places
+        Places sampled in the area that it overlooks.
+    place_pairs
+        Pairs of places that are tested for each pair of scans.
+    least_sight
+        Share of them that must see each other for two scans to be open to each other.
+    least_walled
+        Share of them with one wall between, from which on that says something.
+    wall_m
+        What is opaque for less than this along a line is one wall.
+    bin_m
+        Width of the pieces of wall that are each found open or closed.
+    """
+
+    reach_m: float = 20.0
+    level_m: float = 1.6
+    azimuths: int = 180
+    places: int = 61
+    place_pairs: int = 1220
+    least_sight: float = 0.05
+    least_walled: float = 0.1
+    wall_m: float = 0.6
+    bin_m: float = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class Views:
+    """How open scans are to each other.
+
+    Attributes
+    ----------
+    pairs
+        ``(n, 2) int64`` scans, the smaller first.
+    openness
+        ``(n,) float64`` share of the boundary between the two that no wall closes: 1 in one convex room, 0 through
+        walls and doors with lintels; NaN where they lie too far round corners to tell.
+    """
+
+    pairs: I64
+    openness: F64
+
+
+@dataclass(frozen=True, slots=True)
+class _Lines:
+    """Lines between places of two scans, ``(n, ...)``: ends, what stops them, and how thick it is (0: nothing)."""
+
+    starts: F32
+    ends: F32
+    plane: I32
+    thickness: F32
+
+
+def compare_views(
+    structure: Structure,
+    planes: Planes,
+    scanners: F32,
+    viewpoints: F32,
+    parameters: SightParameters = SightParameters(),
+) -> Views:
+    """Compare what the viewpoints of all scans near each other overlook.
+
+    Places are sampled evenly over the area that each viewpoint overlooks; those that another viewpoint overlooks
+    from nearer are left to that one, so that what is seen through a passage does not count as here.
+    """
+    pairs = np.sort(cKDTree(scanners).query_pairs(parameters.reach_m, output_type="ndarray"), axis=1)
+    pairs = pairs[np.abs(scanners[pairs[:, 0], 2] - scanners[pairs[:, 1], 2]) <= parameters.level_m]
+    pairs = pairs[np.lexsort(pairs.T[::-1])]
+    places = _free_places(structure, viewpoints, parameters)
+    own = _own_places(structure, viewpoints, places) & _roofed(structure, places)
+    openness = np.array([_openness(structure, planes, places, own, a, b, parameters) for a, b in pairs])
+    return Views(pairs, openness.reshape(-1))
+
+
+def _free_places(structure: Structure, lifted: F32, parameters: SightParameters) -> F32:
+    """``(S, K, 3)``: places spread evenly over the area that each lifted scanner overlooks at its height."""
+    azimuth = 2.0 * np.pi * np.arange(parameters.azimuths) / parameters.azimuths
+    rays = np.stack([np.cos(azimuth), np.sin(azimuth), np.zeros_like(azimuth)], axis=1).astype(np.float32)
+    starts = np.repeat(lifted, len(rays), axis=0)
+    distance = structure.cast(starts, np.tile(rays, (len(lifted), 1))).distance
+    free = np.minimum(distance, parameters.reach_m / 2.0).reshape(len(lifted), len(rays))
+    share = (np.arange(parameters.places) + 0.5) / parameters.places
+    area = np.cumsum(free**2, axis=1)
+    ray = np.array([np.searchsorted(row, share * row[-1]) for row in area])
+    ray = np.minimum(ray, len(rays) - 1)
+    outwards = np.sqrt((share * _GOLDEN * parameters.places) % 1.0).astype(np.float32)
+    reach = np.take_along_axis(free, ray, axis=1) * outwards * _SHORT_OF_WALL
+    return np.asarray(lifted[:, None] + rays[ray] * reach[..., None], np.float32)
+
+
+def _own_places(structure: Structure, lifted: F32, places: F32) -> Bool:
+    """``(S, K)``: places of which no other scanner that overlooks them is nearer than their own."""
+    count, around = places.shape[:2]
+    flat = places.reshape(-1, 3)
+    scan = np.repeat(np.arange(count), around)
+    rivals = np.atleast_2d(cKDTree(lifted).query(flat, k=min(_RIVALS, count))[1].reshape(len(flat), -1))
+    distance = _distance(flat[:, None], lifted[rivals])
+    nearer = distance < _distance(flat, lifted[scan])[:, None]
+    place, rank = np.nonzero(nearer)
+    overlooked = ~structure.blocked(lifted[rivals[place, rank]], flat[place])
+    own = np.ones(len(flat), bool)
+    own[place[overlooked]] = False
+    return own.reshape(count, around)
+
+
+def _roofed(structure: Structure, places: F32) -> Bool:
+    """``(S, K)``: places under a ceiling; the others were overlooked through a window, or have no ceiling anywhere."""
+    flat = places.reshape(-1, 3)
+    upwards = np.tile(np.array([[0.02, 0.01, 1.0]], np.float32), (len(flat), 1))
+    roofed = structure.cast(flat, upwards).front.reshape(places.shape[:2])
+    return np.asarray(roofed | ~roofed.any(axis=1, keepdims=True))
+
+
+def _openness(
+    structure: Structure, planes: Planes, places: F32, own: Bool, a: int, b: int, parameters: SightParameters
+) -> float:
+    """Share of the boundary between two scans' places that is open, NaN where there is too little to tell."""
+    lines = _lines(structure, places[a], places[b], own[a], own[b], parameters)
+    seen = lines.thickness == 0.0
+    walled = ~seen & (lines.thickness < parameters.wall_m)
+    if seen.sum() < parameters.least_sight * max(len(seen), 1):
+        return 0.0 if walled.sum() >= parameters.least_walled * max(len(seen), 1) and len(seen) else float("nan")
+    if walled.sum() < parameters.least_walled * (seen.sum() + walled.sum()):
+        return 1.0
+    wall = int(np.argmax(np.bincount(lines.plane[walled])))
+    return _open_share(lines, seen, walled, planes.normals[wall], float(planes.offsets[wall]), parameters.bin_m)
+
+
+def _open_share(lines: _Lines, seen: Bool, walled: Bool, normal: F32, offset: float, bin_m: float) -> float:
+    """Share that is open where places look past the line of a wall, and 1 where they do not.
+
+    Each piece of the wall's line counts alike, however many of the places look through it.
+    """
+    start, end = lines.starts @ normal - offset, lines.ends @ normal - offset
+    crosses = (start * end < 0.0) & (seen | walled)
+    share = start[crosses] / (start[crosses] - end[crosses])
+    crossing = lines.starts[crosses] + share[:, None] * (lines.ends[crosses] - lines.starts[crosses])
+    along = crossing[:, 1] * normal[0] - crossing[:, 0] * normal[1]
+    piece = np.unique(np.floor(along / bin_m).astype(np.int64), return_inverse=True)[1]
+    if not len(piece):
+        return 1.0
+    opened = np.bincount(piece, seen[crosses]) / np.bincount(piece)
+    past = crosses.sum() / (seen | walled).sum()
+    return float(1.0 - past * (1.0 - opened.mean()))
+
+
+def _lines(
+    structure: Structure, here: F32, there: F32, own_here: Bool, own_there: Bool, parameters: SightParameters
+) -> _Lines:
+    count = np.arange(parameters.place_pairs)
+    a = count % len(here)
+    b = (count * 23 + count // len(here) * 7) % len(there)
+    both = own_here[a] & own_there[b]
+    starts, ends = here[a[both]], there[b[both]]
+    length = _distance(starts, ends)
+    towards = (ends - starts) / np.maximum(length, 1e-6)[:, None]
+    forth, back = structure.cast(starts, towards), structure.cast(ends, -towards)
+    blocked = forth.distance < length
+    through = length - forth.distance - np.minimum(back.distance, length)
+    return _Lines(starts, ends, forth.plane, np.where(blocked, np.maximum(through, 1e-3), 0.0).astype(np.float32))
+
+
+def _distance(a: F32, b: F32) -> F32:
+    return np.asarray(np.linalg.norm(a - b, axis=-1), np.float32)
