@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 from rich.tree import Tree
 
-from enfilade.cli.terminal import ERR, OUT, open_archive, print_table, show_value
+from enfilade.cli.terminal import ERR, OUT, counted, open_archive, print_table, show_value
 from enfilade.errors import InputError
 from enfilade.schema.exchange import read_graphs, write_graph
 from enfilade.schema.graph import BuildingGraph
@@ -63,7 +63,9 @@ def print_building(graph: BuildingGraph) -> None:
         branch = tree.add(_label(graph, storey))
         for room in children.get(storey, []):
             given = graph.nodes[room].properties
-            branch.add(f"{_label(graph, room)}  {show_value(given.get('area'))} m², {openings[room]} openings")
+            branch.add(
+                f"{_label(graph, room)}  {show_value(given.get('area'))} m², {counted(openings[room], 'opening')}"
+            )
             rows.append(
                 [
                     room,
@@ -141,7 +143,7 @@ def import_command(ctx: click.Context, files: tuple[Path, ...]) -> None:
         for graph in read_graphs(path):
             archive.save(graph, cloud)
             count += 1
-    ERR.print(f"Imported {count} building{'s' if count != 1 else ''} into {archive.store.url}", markup=False)
+    ERR.print(f"Imported {counted(count, 'building')} into {archive.store.url}", markup=False)
 
 
 @click.command("copy")
@@ -155,4 +157,4 @@ def copy_command(ctx: click.Context, buildings: tuple[str, ...], target: str) ->
     names = buildings or tuple(summary.id for summary in source.store.buildings())
     for name in names:
         destination.save(source.store.read(name), source.cloud(name))
-    ERR.print(f"Copied {len(names)} buildings into {destination.store.url}", markup=False)
+    ERR.print(f"Copied {counted(len(names), 'building')} into {destination.store.url}", markup=False)

@@ -11,7 +11,7 @@ from typing import Any
 import click
 import pandas as pd
 
-from enfilade.cli.terminal import ERR, OUT, open_archive, print_table
+from enfilade.cli.terminal import ERR, OUT, counted, open_archive, print_table
 from enfilade.errors import InputError, UnsupportedError
 
 FORMATS = ("table", "json", "csv", "parquet")
@@ -97,7 +97,7 @@ def _write(rows: list[dict[str, Any]], columns: list[str], form: str, *, nl: boo
         return
     if form == "table" and output is None:
         print_table(columns, [[row[column] for column in columns] for row in rows])
-        OUT.print(f"{len(rows)} match{'es' if len(rows) != 1 else ''}")
+        OUT.print(counted(len(rows), "row"))
         return
     if form == "csv":
         text = pd.DataFrame(rows, columns=columns).to_csv(index=False)

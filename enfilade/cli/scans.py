@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from enfilade.cli.terminal import ERR, OUT, open_archive, print_table, progress_bars
+from enfilade.cli.terminal import ERR, OUT, counted, open_archive, print_table, progress_bars
 from enfilade.errors import EnfiladeError, InputError
 from enfilade.stores.archive import Archive
 
@@ -56,8 +56,8 @@ def ingest_one(archive: Archive, building: str, scans: list[Path], grouping: Pat
         result = ingest(scans, building=building, rooms_csv=grouping, progress=bars)
         bars.start("store")
         archive.save(result.graph, result.cloud)
-    counts = {label: sum(1 for _ in result.graph.of_label(label)) for label in ("Storey", "Room", "Opening", "Object")}
-    said = ", ".join(f"{count} {label.lower()}{'s' if count != 1 else ''}" for label, count in counts.items())
+    labels = ("Storey", "Room", "Opening", "Object")
+    said = ", ".join(counted(sum(1 for _ in result.graph.of_label(label)), label.lower()) for label in labels)
     ERR.print(f"{building}: {said}, in {archive.store.url}", markup=False)
 
 

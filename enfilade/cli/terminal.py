@@ -17,7 +17,7 @@ from enfilade.errors import StoreError
 from enfilade.stores import open_store
 from enfilade.stores.archive import Archive, default_clouds_folder
 
-OUT = Console(highlight=False, soft_wrap=True)
+OUT = Console(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else 160)
 """Standard output, for results."""
 ERR = Console(stderr=True, highlight=False)
 """Standard error, for progress and messages."""
@@ -52,7 +52,7 @@ class Bars:
 
 @contextmanager
 def progress_bars(prefix: str = "") -> Iterator[Bars]:
-    """Show bars while the block runs. On a pipe, one line a finished stage."""
+    """Show bars while the block runs; where standard error is a file or pipe, as they stand at the end."""
     columns = (TextColumn("{task.description:<14}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn())
     with Progress(*columns, console=ERR, refresh_per_second=4) as bars:
         listener = Bars(bars, prefix)
@@ -88,12 +88,17 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[object]], *, tit
     OUT.print(table)
 
 
+def counted(count: int, what: str) -> str:
+    """Return a count with its noun: ``1 room``, ``2 rooms``."""
+    return f"{count:,} {what}{'' if count == 1 else 's'}"
+
+
 def show_value(value: object) -> str:
     """Return a value as a person reads it; a missing one is a dash."""
     if value is None:
         return "–"
     if isinstance(value, float):
-        return f"{value:.3f}".rstrip("0").rstrip(".") if abs(value) < 1e6 else f"{value:g}"
+        return f"{round(value, 3) + 0.0:.3f}".rstrip("0").rstrip(".") if abs(value) < 1e6 else f"{value:g}"
     if isinstance(value, (list, tuple)):
         return ", ".join(show_value(each) for each in value)
     return str(value)
