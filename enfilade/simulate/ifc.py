@@ -10,17 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .casting import Caster
+from .doorways import doorways
+from .flights import stairs_between
+from .frames import frame_of, in_the_way, measured_hole, opening_of, rooms_beside
 from .ifc_model import ROLES, Element, Model, read_model
-from .ifc_openings import (
-    doorways,
-    frame_of,
-    in_the_way,
-    measured_hole,
-    opening_of,
-    rooms_beside,
-    stairs_between,
-)
-from .locate import Locator
+from .locate import Locator, commonest
 from .scene import OUTSIDE, Furnishing, Opening, Room, Scene, SceneParts
 from .solids import Mesh, merge
 from .units import Units, units_of
@@ -84,8 +78,7 @@ class _Building:
                 shut.add(door.number)
             if sides[0] != sides[1]:
                 found.append(opening_of("door", "closed" if closed else "open", frame, sides, _floor(rooms, sides)))
-        for border in units.borders:
-            found += doorways(border, units.unit, units.spaces, rooms, found)
+        found += doorways(units.borders, units.unit, rooms, fabric, found)
         for window in self._windows:
             sides = rooms_beside(self._frames[window.number], locator)
             if sides[0] != sides[1]:
@@ -136,9 +129,7 @@ def _floor(rooms: Sequence[Room], sides: tuple[int, int]) -> float:
 def _room_of(mesh: Mesh, locator: Locator) -> int:
     """Room that most of a piece of furniture stands in."""
     centres = mesh.vertices[mesh.triangles].mean(axis=1)
-    found = locator.rooms_of(np.concatenate([centres, mesh.bounds.mean(axis=0)[None]]))
-    inside = found[found >= 0]
-    return int(np.bincount(inside).argmax()) if len(inside) else OUTSIDE
+    return commonest(locator.rooms_of(np.concatenate([centres, mesh.bounds.mean(axis=0)[None]])))
 
 
 def _reachable(scene: Scene) -> Scene:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .casting import Caster
-from .scene import Opening, Room, Scene
+from .scene import OUTSIDE, Opening, Room, Scene
 from .solids import F64, I32, merge, unit_normals
 
 _OFFSETS_M = (0.01, 0.06, 0.12)
@@ -69,3 +70,9 @@ def _nearer_room(opening: Opening, points: NDArray[Any]) -> I32:
     inside = (np.abs(across) <= opening.depth / 2 + _MARGIN_M) & (along <= opening.width / 2 + _MARGIN_M)
     inside &= upwards <= opening.height / 2 + _MARGIN_M
     return np.where(inside, np.where(across < 0, *opening.rooms), -1).astype(np.int32)
+
+
+def commonest(rooms: I32) -> int:
+    """Return the room that occurs most often, `OUTSIDE` where there is none."""
+    counted = Counter(rooms[rooms >= 0].tolist())
+    return counted.most_common(1)[0][0] if counted else OUTSIDE

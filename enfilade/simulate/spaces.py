@@ -31,8 +31,6 @@ _CLEAR_SHARE = 0.5
 _WHOLE = 0.9
 _SIDE_AT_LEAST_M = 0.8
 _STRAIGHT = 0.9
-DOORWAY_HEIGHT_M = 1.8
-DOORWAY_WIDTH_M = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +46,7 @@ class Space:
 
 @dataclass(frozen=True, slots=True)
 class Border:
-    """What stands between two spaces (by place in a list) along their common boundary.
+    """What stands between two spaces or rooms (by place in their list) along their common boundary.
 
     Attributes
     ----------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,44 +12,64 @@ from enfilade.clouds import LabelledCloud
 from enfilade.schema.graph import BuildingGraph
 
 from .adjacency import adjacent_rooms
+from .casting import F32
 from .locate import Locator, rooms_of_surfaces
-from .scanner import Scan
+from .scanner import Pose, Scan
 from .scene import OUTSIDE, Opening, Room, Scene
 from .solids import F64, I32
 
 THINNING_M = 0.01
-_LABELS = ("room", "object", "plane", "scan")
+_MARGIN_M = 1000.0
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
+class _LabelledScan:
+    """Thinned points of one scan in its own frame, and ``(K, 3) int32`` room, furnishing and surface of each."""
+
+    pose: Pose
+    local: F32
+    labels: I32
+
+
 class TruthCloud:
-    """Gathers labelled points scan by scan, at most one a centimetre voxel and scan, and in the end one a voxel."""
+    """Gathers labelled points scan by scan; at most one a centimetre voxel is left in the end."""
 
-    scene: Scene
-    locator: Locator
-    positions: list[F64] = field(default_factory=list)
-    labels: list[I32] = field(default_factory=list)
+    def __init__(self, scene: Scene, locator: Locator) -> None:
+        self._scene = scene
+        self._locator = locator
+        self._origin: F64 = np.floor(scene.mesh.bounds[0] - _MARGIN_M)
+        self._scans: list[_LabelledScan] = []
 
     def add(self, scan: Scan) -> None:
         """Label the points of a scan and keep the thinned ones."""
-        world = scan.pose.apply(scan.local)
-        kept = _first_in_voxel(world)
-        room = rooms_of_surfaces(self.scene, self.locator, scan.hit[kept], scan.normal[kept])
+        kept = _firsts(self._voxels(scan.pose.apply(scan.local)))
         triangle, mixed = scan.triangle[kept], scan.mixed[kept]
-        furnishing = np.where(mixed, -1, self.scene.furnishing[triangle])
-        surface = np.where(mixed, -1, self.scene.surface[triangle])
-        number = np.full(len(kept), len(self.positions))
-        self.positions.append(world[kept])
-        self.labels.append(np.column_stack([room, furnishing, surface, number]).astype(np.int32))
+        room = rooms_of_surfaces(self._scene, self._locator, scan.hit[kept], scan.normal[kept])
+        furnishing = np.where(mixed, -1, self._scene.furnishing[triangle])
+        surface = np.where(mixed, -1, self._scene.surface[triangle])
+        labels = np.column_stack([room, furnishing, surface]).astype(np.int32)
+        self._scans.append(_LabelledScan(scan.pose, scan.local[kept], labels))
 
     def cloud(self) -> LabelledCloud:
-        """All points, sorted by room, then object."""
-        positions, labels = np.concatenate(self.positions), np.concatenate(self.labels)
-        kept = _first_in_voxel(positions)
-        kept = kept[np.lexsort((labels[kept, 1], labels[kept, 0]))]
-        room, furnishing, surface, scan = labels[kept].T
-        storeys = np.array([r.storey for r in self.scene.rooms] + [-1], dtype=np.int32)
-        return LabelledCloud(positions[kept], storeys[room], room, furnishing, surface, scan)
+        """Return all points, sorted by room, then object."""
+        voxels = np.concatenate([self._voxels(scan.pose.apply(scan.local)) for scan in self._scans])
+        ends = np.cumsum([len(scan.local) for scan in self._scans])
+        firsts = _firsts(voxels)
+        kept = np.split(firsts, np.searchsorted(firsts, ends[:-1]))
+        parts = [members - start for members, start in zip(kept, [0, *ends[:-1]], strict=True)]
+        labels = np.concatenate([scan.labels[part] for scan, part in zip(self._scans, parts, strict=True)])
+        order = np.lexsort((labels[:, 1], labels[:, 0]))
+        positions = [s.pose.apply(s.local[part]) for s, part in zip(self._scans, parts, strict=True)]
+        scan = np.repeat(np.arange(len(parts), dtype=np.int32), [len(part) for part in parts])
+        room, furnishing, surface = labels[order].T
+        storeys = np.array([r.storey for r in self._scene.rooms] + [-1], dtype=np.int32)
+        return LabelledCloud(np.concatenate(positions)[order], storeys[room], room, furnishing, surface, scan[order])
+
+    def _voxels(self, positions: F64) -> NDArray[np.int64]:
+        """``(K,)`` packed number of the voxel of each point, 21 bits an axis."""
+        x, y, z = np.floor((positions - self._origin) / THINNING_M).astype(np.int64).T
+        packed: NDArray[np.int64] = (x << 42) | (y << 21) | z
+        return packed
 
 
 def truth_graph(scene: Scene, building: str, cloud: LabelledCloud, scan_rooms: dict[str, int]) -> BuildingGraph:
@@ -178,10 +198,6 @@ def _bounds(positions: F64) -> list[float]:
     return [*positions.min(axis=0).tolist(), *positions.max(axis=0).tolist()]
 
 
-def _first_in_voxel(positions: F64) -> NDArray[np.intp]:
+def _firsts(voxels: NDArray[np.int64]) -> NDArray[np.intp]:
     """Return indices of the first point of each voxel, in order."""
-    cells = np.floor(positions / THINNING_M).astype(np.int64)
-    cells -= cells.min(axis=0)
-    spans = cells.max(axis=0) + 1
-    keys = (cells[:, 0] * spans[1] + cells[:, 1]) * spans[2] + cells[:, 2]
-    return np.sort(np.unique(keys, return_index=True)[1])
+    return np.sort(np.unique(voxels, return_index=True)[1])
