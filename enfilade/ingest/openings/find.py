@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from enfilade.ingest.openings.blind import BlindHole, find_blind_holes, open_blind
 from enfilade.ingest.openings.contacts import contact_sides
 from enfilade.ingest.openings.holes import Hole, find_holes
 from enfilade.ingest.openings.leads import group_holes, without_rivals
 from enfilade.ingest.openings.parameters import OpeningParameters
 from enfilade.ingest.openings.rays import Rays, rays_of, view_sides
+from enfilade.ingest.openings.sight import Sight
 from enfilade.ingest.openings.slabs import floor_sides, open_slab
 from enfilade.ingest.openings.walls import open_walls
 from enfilade.ingest.records import Neighbour, Opening, Planes, Room, RoomLabels, Surfels, ThinnedCloud
@@ -49,7 +51,12 @@ def find_openings(
     sides = join_patches(patches, surfels, max_angle_deg=chosen.join_angle_deg, max_offset_m=chosen.join_offset_m)
     walls = [side for side in sides if side.vertical]
     looked_at = sorted([*walls, *floor_sides(known)], key=lambda side: side.room)
-    holes = list(_holes(rays, looked_at, chosen))
+    holes: list[Hole] = []
+    blind: list[BlindHole] = []
+    for view in view_sides(rays, looked_at, surface_m=chosen.surface_m, front_m=chosen.front_m):
+        holes.extend(find_holes(view, chosen))
+        if view.side.vertical:
+            blind.extend(find_blind_holes(view, known[view.side.room].floor_elevation, chosen))
     doors = group_holes([hole for hole in holes if hole.side.vertical], rays, known, chosen)
     openings = open_walls(doors, rays, known, neighbours, chosen)
     lines = contact_sides(surfels, labels, known, openings, chosen)
@@ -58,11 +65,12 @@ def find_openings(
     openings += open_walls(passages, rays, known, neighbours, chosen)
     slabs = group_holes([hole for hole in holes if hole.side.horizontal], rays, known, chosen)
     openings += [stairs for group in slabs if (stairs := open_slab(group, rays, known, chosen)) is not None]
+    openings += open_blind(blind, walls, known, openings, surfels, Sight(surfels, rays), chosen)
     return tuple(sorted(openings, key=_order))
 
 
 def _holes(rays: Rays, sides: list[Side], parameters: OpeningParameters) -> Iterator[Hole]:
-    for view in view_sides(rays, sides, surface_m=parameters.surface_m):
+    for view in view_sides(rays, sides, surface_m=parameters.surface_m, front_m=parameters.front_m):
         yield from find_holes(view, parameters)
 
 

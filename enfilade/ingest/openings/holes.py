@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +15,15 @@ from enfilade.ingest.openings.rays import SideView
 from enfilade.ingest.records import F64, I32, Bool
 from enfilade.ingest.sides import Side
 
-REACH_M = 0.15
+REACH_M: Final = 0.15
 """How far from the outermost ray the wall beside a hole may begin."""
 
-REVEAL_M = 0.12
+BORDER_M: Final = 0.1
+"""Width of the border around a side in which points and crossings are looked at."""
+
+SQUARE: Final = np.ones((3, 3), dtype=bool)
+
+REVEAL_M: Final = 0.12
 """Points up to this far behind the wall, in a hole, are its reveal: they show its edge."""
 
 
@@ -80,38 +86,75 @@ def find_holes(view: SideView, parameters: OpeningParameters) -> Iterator[Hole]:
     """
     if len(view.ray) < parameters.min_rays:
         return
-    cell = parameters.cell_m
-    corner = view.side.bounds[:2] - 0.1 - cell
-    shape = tuple(np.ceil((view.side.bounds[2:] + 0.1 - corner) / cell).astype(int) + 1)
-    crossing_cell = np.floor((view.crossing - corner) / cell).astype(int)
-    components = _components(crossing_cell, np.floor((view.wall - corner) / cell).astype(int), shape, parameters)
-    number = components[crossing_cell[:, 0], crossing_cell[:, 1]]
+    grid = Grid(view.side, parameters.cell_m)
+    wall = grid.marked(view.wall)
+    free = bridged(grid.marked(view.crossing) & ~wall, parameters.bridge_m / parameters.cell_m)
+    components = ndimage.label(ndimage.binary_opening(free & ~wall, SQUARE))[0]
+    number = grid.values(components, view.crossing)
     order = np.argsort(number, kind="stable")
     for members in np.split(order, np.flatnonzero(np.diff(number[order])) + 1):
         if number[members[0]] > 0 and len(members) >= parameters.min_rays:
-            hole = _hole(view, members, int((components == number[members[0]]).sum()), cell)
+            size = int((components == number[members[0]]).sum())
+            hole = measure_hole(view, members, view.crossing[members], size, parameters.cell_m)
             if hole.width >= parameters.min_width_m and hole.height >= parameters.min_height_m:
                 yield hole
 
 
-def _components(
-    crossed_cells: NDArray[np.int_], wall_cells: NDArray[np.int_], shape: tuple[int, ...], parameters: OpeningParameters
-) -> NDArray[np.int32]:
-    """Connect crossed cells without wall to numbered components, small gaps bridged."""
-    crossed, wall = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
-    crossed[crossed_cells[:, 0], crossed_cells[:, 1]] = True
-    wall[wall_cells[:, 0], wall_cells[:, 1]] = True
-    reach = max(round(parameters.bridge_m / parameters.cell_m / 2), 1)
-    square = np.ones((3, 3), dtype=bool)
-    padded = np.pad(crossed & ~wall, reach + 1)
-    free = ndimage.binary_closing(padded, square, iterations=reach)[reach + 1 : -reach - 1, reach + 1 : -reach - 1]
-    free = ndimage.binary_opening(free & ~wall, square)
-    return np.asarray(ndimage.label(free)[0], dtype=np.int32)
+class Grid:
+    """Square cells on a side and a little around it."""
+
+    def __init__(self, side: Side, cell_m: float) -> None:
+        self._cell_m = cell_m
+        self._corner = side.bounds[:2] - BORDER_M - cell_m
+        self._shape = tuple(np.ceil((side.bounds[2:] + BORDER_M - self._corner) / cell_m).astype(int) + 1)
+
+    def _cells(self, places: F64) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
+        cells = np.floor((places - self._corner) / self._cell_m).astype(int)
+        return cells[:, 0], cells[:, 1]
+
+    def marked(self, places: F64) -> Bool:
+        """Cells that hold one of the places."""
+        mask = np.zeros(self._shape, dtype=bool)
+        mask[self._cells(places)] = True
+        return mask
+
+    def values(self, of_cell: NDArray[Any], places: F64) -> NDArray[Any]:
+        """Values of the cells that places lie in."""
+        return np.asarray(of_cell[self._cells(places)])
+
+    def centres(self, cells: Bool) -> F64:
+        """Middles of the marked cells."""
+        return np.asarray((np.argwhere(cells) + 0.5) * self._cell_m + self._corner, dtype=np.float64)
 
 
-def _hole(view: SideView, members: NDArray[np.int_], cells: int, cell_m: float) -> Hole:
+def bridged(mask: Bool, cells: float) -> Bool:
+    """Close gaps in a mask up to so many cells wide."""
+    reach = max(round(cells / 2), 1)
+    padded = np.pad(mask, reach + 1)
+    closed = ndimage.binary_closing(padded, SQUARE, iterations=reach)
+    return np.asarray(closed[reach + 1 : -reach - 1, reach + 1 : -reach - 1], dtype=np.bool_)
+
+
+def measure_hole(view: SideView, members: NDArray[np.int_], places: F64, cells: int, cell_m: float) -> Hole:
+    """Measure the rectangle around a hole, edge by edge.
+
+    Parameters
+    ----------
+    view
+        The side that it is in.
+    members
+        Rays through it, as indices into the view.
+    places
+        ``(n, 2)`` where the side is known to have no surface, along its axes.
+    cells, cell_m
+        Number and size of the hole's cells.
+
+    Returns
+    -------
+    The hole.
+    """
     reveal = members[view.outbound[members] & (view.beyond[members] < REVEAL_M)]
-    places = np.concatenate([view.crossing[members], view.end[reveal]])
+    places = np.concatenate([places, view.end[reveal]])
     wall = view.wall
     low, high = np.percentile(places, [0.5, 99.5], axis=0)
     near = ((wall > low - 2 * REACH_M) & (wall < high + 2 * REACH_M)).all(axis=1)

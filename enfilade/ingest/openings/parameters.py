@@ -17,6 +17,8 @@ class OpeningParameters:
         Gaps between rays up to this width are closed.
     surface_m
         Points this close to a wall belong to it; a ray must go so far past it to have crossed.
+    front_m
+        What stands this close before a wall hides it.
     max_gap_m, max_slab_m
         Thickest wall and thickest floor slab that an opening leads through.
     min_width_m, min_height_m
@@ -31,6 +33,8 @@ class OpeningParameters:
         A hole that ends less than this below the ceiling is a passage.
     max_inset_m
         How far the leaf of a closed door lies behind its wall.
+    min_closed_height_m, max_closed_width_m
+        Lowest and widest closed door.
     min_side_surfels
         Least number of surfels of a wall in a room.
     join_angle_deg, join_offset_m
@@ -45,7 +49,8 @@ class OpeningParameters:
 
     cell_m: float = 0.025
     bridge_m: float = 0.1
-    surface_m: float = 0.03
+    surface_m: float = 0.02
+    front_m: float = 0.3
     max_gap_m: float = 0.6
     max_slab_m: float = 0.8
     min_width_m: float = 0.4
@@ -55,6 +60,8 @@ class OpeningParameters:
     min_headroom_m: float = 1.5
     min_lintel_m: float = 0.12
     max_inset_m: float = 0.3
+    min_closed_height_m: float = 1.7
+    max_closed_width_m: float = 2.6
     min_side_surfels: int = 40
     join_angle_deg: float = 8.0
     join_offset_m: float = 0.05

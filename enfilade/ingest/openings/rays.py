@@ -70,6 +70,8 @@ class SideView:
         ``(k,) bool`` whether the ray goes out of the room.
     wall
         ``(w, 2) float64`` the points on it, along its axes, metres.
+    front
+        ``(f, 2) float64`` the points that stand a little before it.
     """
 
     side: Side
@@ -79,6 +81,7 @@ class SideView:
     beyond: F64
     outbound: Bool
     wall: F64
+    front: F64
 
 
 def rays_of(cloud: ThinnedCloud, surfels: Surfels, labels: RoomLabels) -> Rays:
@@ -89,7 +92,7 @@ def rays_of(cloud: ThinnedCloud, surfels: Surfels, labels: RoomLabels) -> Rays:
     return Rays(cloud.positions, cloud.scanner_positions, cloud.scan, labels.scan_room[cloud.scan], to_room)
 
 
-def view_sides(rays: Rays, sides: list[Side], *, surface_m: float) -> Iterator[SideView]:
+def view_sides(rays: Rays, sides: list[Side], *, surface_m: float, front_m: float) -> Iterator[SideView]:
     """Collect the crossings and the surface points of every side, room by room.
 
     Parameters
@@ -100,6 +103,8 @@ def view_sides(rays: Rays, sides: list[Side], *, surface_m: float) -> Iterator[S
         Ordered by room.
     surface_m
         Points this close to a side lie on it; a ray crosses only if it goes on for more.
+    front_m
+        Points this close stand before it.
 
     Yields
     ------
@@ -110,7 +115,7 @@ def view_sides(rays: Rays, sides: list[Side], *, surface_m: float) -> Iterator[S
     for room, own in groupby(sides, key=lambda side: side.room):
         measured, sent = by_end.of(room), by_start.of(room)
         members = np.concatenate([measured, sent[rays.to_room[sent] != room]])
-        yield from _view_room(rays, members, list(own), room, surface_m)
+        yield from _view_room(rays, members, list(own), room, (surface_m, front_m))
 
 
 class _Groups:
@@ -125,12 +130,15 @@ class _Groups:
         return self._order[low:high]
 
 
-def _view_room(rays: Rays, members: I32, sides: list[Side], room: int, surface_m: float) -> Iterator[SideView]:
+def _view_room(
+    rays: Rays, members: I32, sides: list[Side], room: int, reach: tuple[float, float]
+) -> Iterator[SideView]:
     """View all sides of a room; distances from the planes are taken for all of them in one product."""
+    surface_m, front_m = reach
     normals = np.array([side.normal for side in sides], dtype=np.float32)
     offsets = np.array([[side.offset] for side in sides], dtype=np.float32)
     ahead_of_scanner = normals @ rays.start.T - offsets
-    parts: list[list[tuple[I32, F64, F64, F64, Bool, F64]]] = [[] for _ in sides]
+    parts: list[list[tuple[I32, F64, F64, F64, Bool, F64, F64]]] = [[] for _ in sides]
     for first in range(0, len(members), CHUNK):
         chunk = members[first : first + CHUNK]
         depth = normals @ rays.end[chunk].T - offsets
@@ -139,7 +147,9 @@ def _view_room(rays: Rays, members: I32, sides: list[Side], room: int, surface_m
         enters = (rays.from_room[chunk] != room) & (ahead < -surface_m) & (depth > surface_m)
         for row, (part, side) in enumerate(zip(parts, sides, strict=True)):
             on = chunk[np.abs(depth[row]) < surface_m]
-            part.append((*_cross(side, rays, chunk[leaves[row]], chunk[enters[row]]), _on(side, rays, on)))
+            front = chunk[(depth[row] >= surface_m) & (depth[row] < front_m)]
+            crossed = _cross(side, rays, chunk[leaves[row]], chunk[enters[row]])
+            part.append((*crossed, _along(side, rays, on), _along(side, rays, front)))
     for part, side in zip(parts, sides, strict=True):
         yield SideView(side, *(np.concatenate(columns) for columns in zip(*part, strict=True)))
 
@@ -157,8 +167,8 @@ def _cross(side: Side, rays: Rays, leaving: I32, entering: I32) -> tuple[I32, F6
     return ray[hit], crossing[hit], end[hit] @ frame, beyond[hit], outbound[hit]
 
 
-def _on(side: Side, rays: Rays, ray: I32) -> F64:
-    """Return where points lie on a side, along its axes."""
+def _along(side: Side, rays: Rays, ray: I32) -> F64:
+    """Return where points lie along the axes of a side, leaving out those beside it."""
     wall = rays.ends(ray) @ np.column_stack([side.u, side.v])
     return wall[_within(wall, side.bounds, 0.1)]
 

@@ -1,0 +1,261 @@
+"""Holes that no ray goes through to another room: closed doors, and windows and doors to the outside.
+
+A closed door lies a little behind its wall: rays go through the plane of the wall and end soon after (the paper's
+Figure 6). Behind glass there is nothing that sends a ray back: the wall has a hole, framed on all sides, that a
+scanner looked at and saw nothing in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+from scipy.spatial import cKDTree
+from shapely import Point, Polygon, STRtree, box
+
+from enfilade.ingest.openings.holes import SQUARE, Grid, Hole, bridged, measure_hole
+from enfilade.ingest.openings.parameters import OpeningParameters
+from enfilade.ingest.openings.rays import SideView
+from enfilade.ingest.openings.sight import Sight
+from enfilade.ingest.records import F64, Bool, Opening, Room, Surfels
+from enfilade.ingest.sides import Side
+
+FLOOR_M: Final = 0.05
+"""A hole that begins this close to the floor begins at the floor."""
+
+AROUND_M: Final = 0.3
+"""Width of the wall around a hole that tells whose it is."""
+
+RIVAL_M: Final = 3.0
+"""Openings whose middles are farther apart than this never overlap by much."""
+
+DOUBT: Final = 0.5
+"""Factor on the confidence of a door that nobody was seen to go through."""
+
+
+@dataclass(frozen=True, slots=True)
+class BlindHole:
+    """A framed hole in a wall.
+
+    Attributes
+    ----------
+    hole
+        Its place and rays.
+    leaf
+        Share of its cells where rays end soon behind the wall.
+    passed
+        Share of its cells that rays pass far beyond.
+    """
+
+    hole: Hole
+    leaf: float
+    passed: float
+
+
+def find_blind_holes(view: SideView, floor: float, parameters: OpeningParameters) -> Iterator[BlindHole]:
+    """Find the framed holes of a wall, whether rays go through or not.
+
+    Parameters
+    ----------
+    view
+        Rays through the wall and points on it.
+    floor
+        Elevation of the room's floor, metres.
+    parameters
+        Cell size, bridged gaps, smallest hole.
+
+    Yields
+    ------
+    Holes with wall at their left, right and top, and at their bottom if they do not begin at the floor.
+    """
+    grid = Grid(view.side, parameters.cell_m)
+    wall = bridged(grid.marked(view.wall), parameters.bridge_m / parameters.cell_m)
+    low, high = view.side.bounds[:2], view.side.bounds[2:]
+    everywhere = grid.centres(np.ones_like(wall)).reshape(*wall.shape, 2)
+    hidden = bridged(grid.marked(view.front), parameters.bridge_m / parameters.cell_m)
+    empty = ~wall & ~hidden & ((everywhere > low) & (everywhere < high)).all(axis=2)
+    components, count = ndimage.label(ndimage.binary_opening(empty, SQUARE))
+    of_ray = grid.values(components, view.crossing)
+    least_cells = parameters.min_width_m * parameters.min_height_m / parameters.cell_m**2
+    for number, size in enumerate(np.bincount(components.ravel(), minlength=count + 1)):
+        if number > 0 and size >= least_cells:
+            blind = _blind_hole(view, grid, components == number, np.flatnonzero(of_ray == number), parameters)
+            if _framed(blind.hole, floor, parameters):
+                yield blind
+
+
+def open_blind(
+    found: Iterable[BlindHole],
+    walls: Sequence[Side],
+    rooms: Mapping[int, Room],
+    settled: Iterable[Opening],
+    surfels: Surfels,
+    sight: Sight,
+    parameters: OpeningParameters,
+) -> list[Opening]:
+    """Turn framed holes into closed doors and windows, leaving out those that furniture hides.
+
+    Parameters
+    ----------
+    found
+        Framed holes of all walls.
+    walls
+        All walls: the one behind a hole tells which room it leads to; none behind is the outside.
+    rooms
+        By number.
+    settled
+        Openings that rays go through; what lies at these is left out.
+    surfels
+        Those that the walls index.
+    sight
+        Tells what stands between a scanner and a hole.
+    parameters
+        Sizes and thresholds.
+
+    Returns
+    -------
+    One opening for the holes in the two sides of a wall.
+    """
+    behind = _Behind(walls, parameters.max_gap_m)
+    openings = [opening for opening in settled if opening.orientation == "horizontal"]
+    candidates = [
+        opening
+        for blind in sorted(found, key=lambda b: (-round(b.leaf, 1), -_wall_around(b.hole, surfels), b.hole.side.room))
+        if (opening := _opening(blind, behind, rooms, sight, parameters)) is not None
+    ]
+    return _one_a_place(candidates, openings, parameters.max_gap_m)
+
+
+class _Behind:
+    """Finds the wall that stands behind a hole, looking the other way."""
+
+    def __init__(self, walls: Sequence[Side], max_gap_m: float) -> None:
+        self._walls = walls
+        self._max_gap_m = max_gap_m
+        corners = [np.array([wall.point(wall.bounds[i], wall.bounds[1])[:2] for i in (0, 2)]) for wall in walls]
+        self._tree = STRtree([box(*pair.min(axis=0), *pair.max(axis=0)) for pair in corners])
+
+    def room(self, hole: Hole) -> int | None:
+        """Room of the nearest wall behind a hole; None if there is none."""
+        centre = hole.centre
+        near = self._tree.query(Point(centre[:2]).buffer(self._max_gap_m))
+        gaps = [(self._gap(self._walls[i], hole, centre), self._walls[i].room) for i in near]
+        possible = [(gap, room) for gap, room in gaps if 0.02 < gap < self._max_gap_m]
+        return min(possible)[1] if possible else None
+
+    def _gap(self, wall: Side, hole: Hole, centre: F64) -> float:
+        """Thickness between a hole and a wall that faces away and reaches across it, else infinity."""
+        u, v = centre @ wall.u, centre @ wall.v
+        low, high = wall.bounds[:2], wall.bounds[2:]
+        across = low[0] < u < high[0] and low[1] < v < high[1]
+        if not across or wall.normal @ hole.side.normal > -0.95:
+            return float("inf")
+        return float(wall.normal @ centre - wall.offset) * -1.0
+
+
+def _blind_hole(
+    view: SideView, grid: Grid, cells: Bool, members: NDArray[np.int_], parameters: OpeningParameters
+) -> BlindHole:
+    size = int(cells.sum())
+    hole = measure_hole(view, members, grid.centres(cells), size, parameters.cell_m)
+    soon = view.outbound[members] & (view.beyond[members] < parameters.max_inset_m)
+    shares = [
+        float(
+            (bridged(grid.marked(view.crossing[members[some]]), parameters.bridge_m / parameters.cell_m) & cells).sum()
+        )
+        / size
+        for some in (soon, ~soon)
+    ]
+    return BlindHole(hole, shares[0], shares[1])
+
+
+def _framed(hole: Hole, floor: float, parameters: OpeningParameters) -> bool:
+    """Whether wall surrounds a hole that is a rectangle of some size."""
+    at_floor = hole.edges[1] - floor < FLOOR_M
+    large = hole.width >= parameters.min_width_m and hole.height >= parameters.min_height_m
+    return bool(large and hole.fill > 0.75 and hole.bounded[[0, 2, 3]].all() and (at_floor or hole.bounded[1]))
+
+
+def _opening(
+    blind: BlindHole, behind: _Behind, rooms: Mapping[int, Room], sight: Sight, parameters: OpeningParameters
+) -> Opening | None:
+    hole = blind.hole
+    room, other = rooms[hole.side.room], behind.room(blind.hole)
+    if other == room.number or (other is None and _indoors(hole, rooms, parameters.max_gap_m)):
+        return None
+    at_floor = hole.edges[1] - room.floor_elevation < FLOOR_M
+    is_door = at_floor and hole.height > parameters.min_closed_height_m and hole.width < parameters.max_closed_width_m
+    seen = sight.share(hole)
+    if (is_door and other is not None and blind.leaf < 0.5) or seen < 0.6:
+        return None
+    if not is_door and other is not None:
+        return None
+    edges = hole.edges.copy()
+    if at_floor:
+        edges[1] = room.floor_elevation
+    middle = (edges[:2] + edges[2:]) / 2
+    a, b = (room.number, other) if other is None or room.number < other else (other, room.number)
+    width, height = (edges[2:] - edges[:2]).tolist()
+    return Opening(
+        kind="door" if is_door else "window",
+        orientation="horizontal",
+        room_a=a,
+        room_b=b,
+        position=hole.side.point(*middle),
+        normal=hole.side.normal,
+        width=width,
+        height=height,
+        sill=float(edges[1] - room.floor_elevation),
+        area=width * height,
+        ray_count=int((hole.beyond > parameters.max_inset_m).sum()),
+        state="open" if is_door and blind.passed > 0.7 else "closed",
+        confidence=float(np.mean([hole.bounded.mean(), hole.fill, seen])) * (DOUBT if is_door else 1.0),
+    )
+
+
+def _wall_around(hole: Hole, surfels: Surfels) -> int:
+    """Count the surfels of a hole's own side around it: two rooms may claim it, and one has the wall."""
+    side = hole.side
+    places = surfels.positions[side.surfels] @ np.column_stack([side.u, side.v])
+    near = (places > hole.edges[:2] - AROUND_M) & (places < hole.edges[2:] + AROUND_M)
+    return int(np.count_nonzero(near.all(axis=1)))
+
+
+def _indoors(hole: Hole, rooms: Mapping[int, Room], max_gap_m: float) -> bool:
+    """Whether any room lies behind a hole."""
+    level = float(hole.centre[2])
+    behind = [Point((hole.centre - depth * hole.side.normal)[:2]) for depth in (max_gap_m, 2 * max_gap_m)]
+    for room in rooms.values():
+        ceiling = room.ceiling_elevation if room.ceiling_elevation is not None else room.bounds[5]
+        if room.outline and room.floor_elevation < level < ceiling:
+            plan = Polygon(room.outline[0])
+            if any(plan.contains(place) for place in behind):
+                return True
+    return False
+
+
+def _one_a_place(candidates: list[Opening], settled: list[Opening], max_gap_m: float) -> list[Opening]:
+    """Leave out candidates that lie where a settled opening or an earlier candidate does."""
+    everyone = [*settled, *candidates]
+    if not candidates:
+        return []
+    tree = cKDTree([opening.position for opening in everyone])
+    stays = [True] * len(settled) + [False] * len(candidates)
+    for index in range(len(settled), len(everyone)):
+        own = everyone[index]
+        near = (j for j in tree.query_ball_point(own.position, RIVAL_M) if stays[j])
+        stays[index] = not any(_at_one_place(own, everyone[j], max_gap_m) for j in near)
+    return [opening for opening, kept in zip(everyone, stays, strict=True) if kept][len(settled) :]
+
+
+def _at_one_place(a: Opening, b: Opening, max_gap_m: float) -> bool:
+    """Whether two openings overlap when seen along the normal."""
+    apart = a.position - b.position
+    if abs(a.normal @ b.normal) < 0.9 or abs(apart @ a.normal) > max_gap_m:
+        return False
+    aside = np.linalg.norm(apart[:2] - (apart @ a.normal) * a.normal[:2])
+    return bool(aside < (a.width + b.width) / 2 and abs(apart[2]) < (a.height + b.height) / 2)

@@ -1,0 +1,81 @@
+"""What stands between scanners and a hole: furniture hides walls, and what it hides is no window."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from enfilade.ingest.openings.holes import Hole
+from enfilade.ingest.openings.rays import Rays
+from enfilade.ingest.records import F64, Bool, Surfels
+
+VOXEL_M: Final = 0.1
+CLEAR_M: Final = 0.25
+"""Nothing is looked for so close to the wall itself."""
+
+SAMPLES: Final = 6
+"""Places along each axis of a hole that are looked at."""
+
+BITS: Final = 21
+
+
+class Sight:
+    """Tells whether the scanners of a room looked at a hole freely.
+
+    Parameters
+    ----------
+    surfels
+        What can stand in between.
+    rays
+        Scanner positions, and which scan stands in which room.
+    """
+
+    def __init__(self, surfels: Surfels, rays: Rays) -> None:
+        self._occupied = np.unique(_keys(surfels.positions.astype(np.float64)))
+        self._start = rays.start.astype(np.float64)
+        self._room = np.full(len(rays.start), -1, dtype=np.int32)
+        self._room[rays.scan] = rays.from_room
+
+    def share(self, hole: Hole) -> float:
+        """Share of a hole that at least one scanner of its room looked at freely."""
+        side = hole.side
+        own = self._start[self._room == side.room]
+        own = own[own @ side.normal - side.offset > CLEAR_M]
+        places = _samples(hole)
+        free = np.zeros(len(places), dtype=bool)
+        for scanner in own:
+            free |= self._free(scanner, places, side.normal)
+        return float(free.mean())
+
+    def _free(self, scanner: F64, places: F64, normal: F64) -> Bool:
+        """``(n,)``: whether nothing stands between a scanner and each place."""
+        way = places - scanner
+        height = float(((scanner - places) @ normal).max())
+        steps = np.arange(0.5, np.linalg.norm(way, axis=1).max(), VOXEL_M * 0.7)
+        length = np.linalg.norm(way, axis=1)
+        along = steps[None, :] / length[:, None]
+        before_wall = along < 1.0 - CLEAR_M / max(height, CLEAR_M)
+        samples = scanner + along[:, :, None] * way[:, None, :]
+        key = _keys(samples.reshape(-1, 3))
+        at = np.minimum(np.searchsorted(self._occupied, key), len(self._occupied) - 1)
+        blocked = (self._occupied[at] == key).reshape(along.shape) & before_wall
+        return np.asarray(~blocked.any(axis=1), dtype=np.bool_)
+
+
+def _samples(hole: Hole) -> F64:
+    """``(n, 3)`` places in the middle three quarters of a hole."""
+    left, bottom, right, top = hole.edges
+    share = np.linspace(0.12, 0.88, SAMPLES)
+    u, v = np.meshgrid(left + share * (right - left), bottom + share * (top - bottom))
+    side = hole.side
+    return np.asarray(
+        u.ravel()[:, None] * side.u + v.ravel()[:, None] * side.v + side.offset * side.normal, dtype=np.float64
+    )
+
+
+def _keys(positions: F64) -> NDArray[np.int64]:
+    """``(n,)`` packed voxel of each position."""
+    cells = np.floor(positions / VOXEL_M).astype(np.int64) + (1 << (BITS - 1))
+    return np.asarray((cells[:, 0] << 2 * BITS) + (cells[:, 1] << BITS) + cells[:, 2], dtype=np.int64)
