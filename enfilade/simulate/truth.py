@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 import enfilade
 from enfilade.clouds import LabelledCloud
+from enfilade.descriptors import DEFAULT_LAYOUT, describe
 from enfilade.schema.graph import BuildingGraph
 
 from .adjacency import adjacent_rooms
@@ -169,25 +170,40 @@ def _opening_properties(opening: Opening) -> dict[str, object]:
 
 
 def _add_furnishings(graph: BuildingGraph, scene: Scene, cloud: LabelledCloud) -> None:
-    counts = np.bincount(cloud.object[cloud.object >= 0], minlength=len(scene.furnishings))
+    graph.descriptor_shape = DEFAULT_LAYOUT.shape
+    bodies = _members(scene.furnishing, len(scene.furnishings))
+    seen = _members(cloud.object, len(scene.furnishings))
     for piece in scene.furnishings:
-        vertices = scene.mesh.vertices[scene.mesh.triangles[scene.furnishing == piece.number]].reshape(-1, 3)
-        seen = cloud.positions[cloud.object == piece.number]
+        corners = scene.mesh.vertices[scene.mesh.triangles[bodies[piece.number]]].reshape(-1, 3)
         id = f"{graph.building}/o{piece.number}"
-        floor = scene.rooms[piece.room].floor_elevation if piece.room != OUTSIDE else None
-        graph.add_node(
-            id,
-            "Object",
-            name=piece.name,
-            segments=[id],
-            parts=1,
-            size=np.ptp(vertices, axis=0).tolist(),
-            position=(seen if len(seen) else vertices).mean(axis=0).tolist(),
-            floor_offset=None if floor is None else float(vertices[:, 2].min() - floor),
-            point_count=int(counts[piece.number]),
-        )
+        floor = None if piece.room == OUTSIDE else scene.rooms[piece.room].floor_elevation
+        points = cloud.positions[seen[piece.number]]
+        properties = _furnishing_properties(corners, points, floor)
+        graph.add_node(id, "Object", name=piece.name, segments=[id], parts=1, **properties)
         if piece.room != OUTSIDE:
             graph.add_edge(_room_id(graph, piece.room), "CONTAINS", id)
+
+
+def _furnishing_properties(corners: F64, points: F64, floor: float | None) -> dict[str, object]:
+    """Size and foot are those of the body; position and shape are of the points seen, if there are any."""
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    properties: dict[str, object] = {
+        "size": (high - low).tolist(),
+        "position": (points if len(points) else corners).mean(axis=0).tolist(),
+        "floor_offset": None if floor is None else float(low[2] - floor),
+        "point_count": len(points),
+    }
+    if len(points) and floor is not None:
+        properties["descriptor"] = describe(points, floor)
+        properties["foot_descriptor"] = describe(points, float(points[:, 2].min()))
+    return properties
+
+
+def _members(numbers: I32, count: int) -> list[NDArray[np.intp]]:
+    """Return the places of each number from 0 to `count`, in order; others are left out."""
+    places = np.flatnonzero(numbers >= 0)
+    order = places[np.argsort(numbers[places], kind="stable")]
+    return np.split(order, np.searchsorted(numbers[order], np.arange(1, count)))
 
 
 def _room_id(graph: BuildingGraph, number: int) -> str:

@@ -8,10 +8,11 @@ import pye57
 import pytest
 
 from enfilade.clouds import LabelledCloud, read_cloud
+from enfilade.descriptors import DEFAULT_LAYOUT, Shape, distances, mesh_views
 from enfilade.errors import InputError
 from enfilade.schema.exchange import read_graph
 from enfilade.schema.graph import BuildingGraph
-from enfilade.simulate import Parameters, Scanner, Scene, demo_scene, mesh_scene, simulate, write_obj
+from enfilade.simulate import Parameters, Scanner, Scene, basin_mesh, demo_scene, mesh_scene, simulate, write_obj
 
 COARSE = Parameters(Scanner(angular_step_deg=1.5))
 
@@ -100,6 +101,21 @@ def test_each_object_is_contained_where_it_stands(graph, scene):
     for piece in scene.furnishings:
         (room,) = [e.source for e in graph.of_type("CONTAINS") if e.target == f"demo/o{piece.number}"]
         assert room == f"demo/r{piece.room}"
+
+
+def test_objects_are_described_by_what_was_seen_of_them(graph, scene):
+    described = [node for node in graph.of_label("Object") if "foot_descriptor" in node.properties]
+    assert len(described) == len(scene.furnishings)
+    basins = [node for node in described if node.properties["name"] == "basin"]
+    others = [node for node in described if node.properties["name"] in ("wardrobe", "bed", "table")]
+    asked = basin_mesh()
+    views = mesh_views(Shape("basin", asked.vertices, asked.triangles))
+    assert graph.descriptor_shape == DEFAULT_LAYOUT.shape
+    near, far = (
+        distances(views, np.array([n.properties["foot_descriptor"] for n in nodes]), DEFAULT_LAYOUT.shape)
+        for nodes in (basins, others)
+    )
+    assert near.max() < far.min()
 
 
 def test_neighbours_share_a_wall_or_a_slab(graph):
