@@ -78,7 +78,7 @@ def _upright(cloud: LabelledCloud) -> NDArray[np.bool_]:
 def draw_masonry(axes: Axes, scene: PlanScene) -> None:
     """Tint what lies between rooms closer together than walls are thick, and a rim around them."""
     rooms = unary_union([room.polygon.buffer(0) for room in scene.rooms.values()])
-    outer = rooms.buffer(_THICKEST_WALL_M / 2, join_style="mitre")
+    outer = rooms.buffer(_THICKEST_WALL_M / 2)
     solid = outer.buffer(_RIM_M - _THICKEST_WALL_M / 2, join_style="mitre").difference(rooms)
     for part in getattr(solid, "geoms", [solid]):
         rings = [np.asarray(ring.coords)[:, :2] for ring in (part.exterior, *part.interiors)]
@@ -116,10 +116,11 @@ def _colour(opening: PlannedOpening) -> str:
 def _draw_threshold(axes: Axes, scene: PlanScene, opening: PlannedOpening) -> None:
     """Clear the wall between the two rooms where one can walk."""
     here = Point(opening.position)
-    rooms = [scene.rooms[room].polygon for room in opening.rooms if room in scene.rooms]
-    if opening.kind not in ("door", "passage") or opening.closed or not rooms:
+    gaps = [float(here.distance(scene.rooms[room].polygon)) for room in opening.rooms if room in scene.rooms]
+    gaps = [gap for gap in gaps if gap < _THICKEST_WALL_M]
+    if opening.kind not in ("door", "passage") or opening.closed or not gaps:
         return
-    depth = min(0.5, max(float(here.distance(room)) for room in rooms) + 0.02)
+    depth = max(gaps) + 0.02
     first, last = opening.ends
     away = depth * opening.across
     corners = np.array([first - away, last - away, last + away, first + away])
