@@ -57,8 +57,8 @@ class RoomParameters:
     viewpoints: int = 12
     view_m: float = 25.0
     below_floor_m: float = 0.5
-    iterations: int = 5
-    least_surfels: int = 400
+    iterations: int = 2
+    least_surfels: int = 1600
 
 
 @dataclass(frozen=True, slots=True)
