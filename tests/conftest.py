@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -53,7 +55,8 @@ def neo4j_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningNe
         password = running.password_file.read_text(encoding="utf-8")
         yield RunningNeo4j(running.url, running.browser, password, home)
     finally:
-        server.stop(home)
+        assert server.stop(home)
+        assert server.status(home) is None
 
 
 @pytest.fixture(scope="session")
@@ -92,3 +95,27 @@ def store(request: pytest.FixtureRequest) -> Store:
 def hotel() -> BuildingGraph:
     """A small building with every label and nearly every edge type."""
     return read_graph(GRAPHS / "hotel.graph.json")
+
+
+@dataclass(frozen=True)
+class Demo:
+    """What ``enfilade demo`` left behind: the folder it ran in, what it printed, what it reported."""
+
+    folder: Path
+    printed: str
+    reported: str
+
+    @property
+    def store(self) -> str:
+        return f"sqlite:{self.folder / 'enfilade.db'}"
+
+
+@pytest.fixture(scope="session")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> Demo:
+    """The built-in building, scanned, ingested and asked by the command itself; made once a run."""
+    folder = tmp_path_factory.mktemp("demo")
+    done = subprocess.run(
+        [sys.executable, "-m", "enfilade", "demo"], cwd=folder, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return Demo(folder, done.stdout, done.stderr)

@@ -60,7 +60,7 @@ def write(session: Session, announcing: Session, work: Writing[T]) -> T:
     work
         Writes; may be called several times.
     """
-    numbers = [0]
+    numbers: list[int] = []
 
     def in_turn(transaction: ManagedTransaction) -> T:
         transaction.run(_TAKE_TURN).consume()
@@ -71,7 +71,8 @@ def write(session: Session, announcing: Session, work: Writing[T]) -> T:
     try:
         return session.execute_write(in_turn)
     finally:
-        announcing.execute_write(lambda other: other.run(_END, number=numbers[-1]).consume())
+        if numbers:  # not tried again: where it fails, the store is gone or the commit counts as abandoned soon
+            announcing.run(_END, number=numbers[-1]).consume()
 
 
 def read(session: Session, locking: Callable[[], Session], work: Reading[T], *, timeout_s: float | None = None) -> T:
