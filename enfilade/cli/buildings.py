@@ -48,37 +48,26 @@ def show_command(ctx: click.Context, building: str, plan: Path | None) -> None:
 
 
 def print_building(graph: BuildingGraph) -> None:
-    """Print the tree building - storey - room with what each room holds, then the rooms as a table."""
+    """Print the tree building - storey - room, then the rooms as a table with what each holds."""
     children: dict[str, list[str]] = {}
     for edge in graph.edges:
         if edge.type in ("HAS_STOREY", "HAS_ROOM"):
             children.setdefault(edge.source, []).append(edge.target)
     openings = Counter(edge.source for edge in graph.of_type("OPENS"))
-    segments = Counter(
-        edge.source for edge in graph.of_type("CONTAINS") if graph.nodes[edge.target].properties.get("parts", 1) == 1
-    )
+    contained = (edge for edge in graph.of_type("CONTAINS") if graph.nodes[edge.target].properties.get("parts", 1) == 1)
+    segments = Counter(edge.source for edge in contained)
     tree = Tree(f"[bold]{_label(graph, graph.building)}")
     rows = []
     for storey in children.get(graph.building, []):
         branch = tree.add(_label(graph, storey))
+        index = graph.nodes[storey].properties.get("index")
         for room in children.get(storey, []):
             given = graph.nodes[room].properties
-            branch.add(
-                f"{_label(graph, room)}  {show_value(given.get('area'))} m², {counted(openings[room], 'opening')}"
-            )
-            rows.append(
-                [
-                    room,
-                    given.get("name"),
-                    graph.nodes[storey].properties.get("index"),
-                    given.get("area"),
-                    given.get("height"),
-                    given.get("floor_elevation"),
-                    openings[room],
-                    segments[room],
-                    len(given.get("scans", ())),
-                ]
-            )
+            area, doors = show_value(given.get("area")), counted(openings[room], "opening")
+            branch.add(f"{_label(graph, room)}  {area} m², {doors}")
+            measures = (given.get(name) for name in ("area", "height", "floor_elevation"))
+            scans = len(given.get("scans", ()))
+            rows.append([room, given.get("name"), index, *measures, openings[room], segments[room], scans])
     OUT.print(tree)
     print_table(ROOM_COLUMNS, rows)
 

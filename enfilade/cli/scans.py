@@ -122,11 +122,11 @@ def _scene(model: Path | None, seed: int, closed: float | None, positions: Path 
 def evaluate_command(ctx: click.Context, prediction: Path, truth: Path, form: str) -> None:
     """Compare a graph with the truth: two folders with graph.json and cloud.ply.
 
-    PREDICTION may also be a building of the store.
+    PREDICTION may also be the id of a building in the store.
     """
     from enfilade.evaluate import evaluate, evaluate_graphs
 
-    if prediction.is_dir() or prediction.exists():
+    if (prediction / "graph.json").is_file():
         found = evaluate(prediction, truth)
     else:
         from enfilade.clouds import read_cloud
