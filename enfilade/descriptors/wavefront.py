@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from enfilade.errors import InputError
+
+from .polygons import fan
 
 
 def read_obj(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
@@ -34,7 +35,7 @@ def read_obj(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
                 if len(words) < 4:
                     raise ValueError("a vertex has three coordinates")
             elif words[0] == "f":
-                triangles += _fan([_index(word, len(vertices)) for word in words[1:]])
+                triangles += fan([_index(word, len(vertices)) for word in words[1:]])
         except (ValueError, IndexError) as error:
             raise InputError(f"{path} cannot be read: line {number} is damaged ({' '.join(words)[:60]}).") from error
     return np.array(vertices).reshape(-1, 3), np.array(triangles, np.int32).reshape(-1, 3)
@@ -56,9 +57,3 @@ def _index(word: str, count: int) -> int:
     if given == 0 or not 0 <= index < count:
         raise IndexError(f"there is no vertex {given}")
     return index
-
-
-def _fan(corners: list[int]) -> list[tuple[int, int, int]]:
-    if len(corners) < 3:
-        return []
-    return [(corners[0], second, third) for second, third in pairwise(corners[1:])]

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import base64
+import json
+
 import numpy as np
 import pytest
 
@@ -28,6 +31,24 @@ f 4 1 5 8
 """
 
 
+HEAD = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+FACES = "element face 1\nproperty list uchar int vertex_indices\n"
+POINTS = "0 0 0\n1 0 0\n0 1 0\n"
+PCD = """# .PCD v0.7
+VERSION 0.7
+FIELDS x y z _ ring
+SIZE 4 4 4 4 2
+TYPE F F F F U
+COUNT 1 1 1 1 1
+WIDTH 2
+HEIGHT 1
+POINTS 2
+DATA ascii
+nan nan nan 0 9
+4 5 6 0 9
+"""
+
+
 @pytest.fixture
 def box(tmp_path):
     path = tmp_path / "Kästchen.obj"
@@ -43,15 +64,46 @@ def test_polygons_of_an_obj_file_become_triangles(box):
 
 
 def test_a_ply_file_is_a_mesh_or_a_cloud(tmp_path):
-    head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-    points = "0 0 0\n1 0 0\n0 1 0\n"
     cloud, mesh = tmp_path / "cloud.ply", tmp_path / "mesh.ply"
-    cloud.write_text(head + "end_header\n" + points)
-    faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
-    mesh.write_text(head + faces + points + "3 0 1 2\n")
+    cloud.write_text(HEAD + "end_header\n" + POINTS)
+    mesh.write_text(HEAD + FACES + "end_header\n" + POINTS + "3 0 1 2\n")
     assert not read_shape(cloud).is_mesh
     assert read_shape(cloud).vertices.shape == (3, 3)
     assert read_shape(mesh).triangles.tolist() == [[0, 1, 2]]
+
+
+def test_gltf_has_y_up_and_is_turned(tmp_path):
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0]], "<f4").tobytes() + np.array([0, 1, 2], "<u2").tobytes()
+    uri = "data:application/octet-stream;base64," + base64.b64encode(corners).decode()
+    content = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 2, 0]},
+            {"bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR"},
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": 0, "byteLength": 36, "target": 34962},
+            {"buffer": 0, "byteOffset": 36, "byteLength": 6, "target": 34963},
+        ],
+        "buffers": [{"uri": uri, "byteLength": 42}],
+    }
+    path = tmp_path / "triangle.gltf"
+    path.write_text(json.dumps(content))
+    shape = read_shape(path)
+    assert shape.vertices[shape.triangles[0]].tolist() == [[0, 0, 0], [1, 0, 0], [0, 0, 2]]
+
+
+def test_a_pcd_file_is_a_cloud_whose_empty_points_are_left_out(tmp_path):
+    text, packed = tmp_path / "text.pcd", tmp_path / "packed.pcd"
+    text.write_text(PCD)
+    points = np.array([(1, 2, 3, 0, 9), (4, 5, 6, 0, 9)], dtype="<f4,<f4,<f4,<f4,<u2").tobytes()
+    packed.write_bytes(PCD.split("DATA")[0].encode() + b"DATA binary\n" + points)
+    assert read_shape(text).vertices.tolist() == [[4, 5, 6]]
+    assert read_shape(packed).vertices.tolist() == [[1, 2, 3], [4, 5, 6]]
 
 
 @pytest.mark.parametrize(
@@ -62,7 +114,14 @@ def test_a_ply_file_is_a_mesh_or_a_cloud(tmp_path):
         ("beyond.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 9\n", "line 4"),
         ("cut.obj", "v 0 0 0\nv 1 0\n", "line 2"),
         ("nan.obj", "v 0 0 nan\nv 1 0 0\nv 1 1 0\nf 1 2 3\n", "not numbers"),
-        ("text.ply", "hello", "no PLY"),
+        ("text.ply", "hello", "PLY"),
+        ("long.ply", HEAD.replace("vertex 3", "vertex 999999999") + "end_header\n0 0 0\n", "PLY"),
+        ("flat.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n", "no x, y, z"),
+        ("lost.ply", HEAD + FACES + "end_header\n" + POINTS + "3 0 1 7\n", "not there"),
+        ("mm.obj", "v 0 0 0\nv 900 0 0\nv 0 900 0\nf 1 2 3\n", "900 m across"),
+        ("packed.pcd", PCD.replace("ascii", "binary_compressed"), "compressed"),
+        ("cut.pcd", PCD.replace("POINTS 2", "POINTS 9").replace("ascii", "binary"), "damaged"),
+        ("flat.pcd", PCD.replace("x y z", "a b c"), "damaged"),
         ("junk.stl", "hello", "no points"),
         ("junk.xyz", "hello", "no points"),
         ("chair.docx", "hello", "neither a mesh nor a point cloud"),
