@@ -77,10 +77,18 @@ class CypherCompiler(Compiler):
         return found
 
     def _same_parts(self, a: str, b: str) -> str:
-        return f"any(x IN coalesce({a}.segments, [{a}.id]) WHERE x IN coalesce({b}.segments, [{b}.id]))"
+        return f"any(x IN {self._segments(a)} WHERE x IN {self._segments(b)})"
+
+    def _segments(self, alias: str) -> str:
+        own = f"[y IN {self._numbers(alias)} | {alias}.building + '/' + y]"
+        return f"coalesce({alias}.segments, {own})"
+
+    def _numbers(self, alias: str) -> str:
+        """Return the parts of an object's key as a list: ``["o31", "o32"]``."""
+        return f"split(split({alias}.id, '/')[1], '+')"
 
     def _parts(self, alias: str) -> str:
-        return f"coalesce({alias}.parts, size({alias}.segments), 1)"
+        return f"coalesce({alias}.parts, size({alias}.segments), size({self._numbers(alias)}))"
 
     def _property(self, alias: str, name: str) -> str:
         return f"{alias}.{name}"

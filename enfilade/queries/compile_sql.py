@@ -117,12 +117,18 @@ class SqlCompiler(Compiler):
         return f"EXISTS (SELECT 1 FROM {both})"  # noqa: S608
 
     def _segments(self, alias: str, name: str) -> str:
-        segments, id = self._property(alias, "segments"), self._property(alias, "id")
-        return f"json_each(coalesce({segments}, json_array({id}))) AS {name}"
+        building = self._property(alias, "building")
+        own = f"(SELECT json_group_array({building} || '/' || value) FROM json_each({self._numbers(alias)}))"  # noqa: S608
+        return f"json_each(coalesce({self._property(alias, 'segments')}, {own})) AS {name}"
+
+    def _numbers(self, alias: str) -> str:
+        """Return the parts of an object's key as a JSON array: ``["o31","o32"]``."""
+        id, building = self._property(alias, "id"), self._property(alias, "building")
+        return f"""'["' || replace(substr({id}, length({building}) + 2), '+', '","') || '"]'"""
 
     def _parts(self, alias: str) -> str:
         parts, segments = self._property(alias, "parts"), self._property(alias, "segments")
-        return f"coalesce({parts}, json_array_length({segments}), 1)"
+        return f"coalesce({parts}, json_array_length({segments}), json_array_length({self._numbers(alias)}))"
 
     def _property(self, alias: str, name: str) -> str:
         return f"{quoted(alias)}.{quoted(name)}"

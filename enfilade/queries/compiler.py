@@ -261,7 +261,7 @@ class Compiler(ABC):
             case PropertyOf(variable, name):
                 return self._of(variable, name)
             case Comparison(operator, left, right) if isinstance(left, Variable) and isinstance(right, Variable):
-                return self._same(self._alias(left.name), operator, self._alias(right.name))
+                return f"({self._same(self._alias(left.name), operator, self._alias(right.name))})"
             case Comparison(operator, left, right):
                 return f"({self._condition(left, scope)} {operator} {self._condition(right, scope)})"
             case Logic(operator, operands):

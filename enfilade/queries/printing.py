@@ -81,11 +81,11 @@ def _chains(pattern: Pattern) -> Iterator[str]:
 
 def _before(new: list[str], edge: EdgePattern) -> list[str]:
     """Names of nodes that must be mentioned before the edge, to keep the order of appearance."""
-    ends = [new.index(name) for name in (edge.left, edge.right) if name in new]
-    if len(ends) == 2 and ends[0] > ends[1]:
-        return new[: ends[1] + 1] + new[ends[1] + 1 : ends[0]]
-    last = max(ends, default=0)
-    return [name for name in new[:last] if name not in (edge.left, edge.right)]
+    left = new.index(edge.left) if edge.left in new else None
+    right = new.index(edge.right) if edge.right in new else None
+    if left is None or right is None:
+        return new[: left or right or 0]
+    return new[:left] if right < left or right == left + 1 else new[:right]
 
 
 def _mention(name: str, new: dict[str, NodePattern]) -> str:

@@ -91,7 +91,10 @@ def _aggregate(call: Call, group: Sequence[Match], examples: Examples) -> Any:
     values = [value_of(call.arguments[0], match, examples) for match in group]
     present = [plain(value) for value in values if value is not None]
     if call.distinct:
-        present = list({hashable(value): value for value in reversed(present)}.values())[::-1]
+        first: dict[Any, Any] = {}
+        for value in present:
+            first.setdefault(hashable(value), value)
+        present = list(first.values())
     if call.function == "percentileCont":
         return _percentile(present, number_of(call.arguments[1]))
     return _AGGREGATES[call.function](present)

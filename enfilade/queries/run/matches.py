@@ -24,8 +24,12 @@ class Element:
 
     @property
     def segments(self) -> frozenset[str]:
-        """Ids of an object's segments; one that names none is its own."""
-        return frozenset(self.properties.get("segments") or (self.id,))
+        """Ids of an object's segments; where they are missing, its own id tells them."""
+        named = self.properties.get("segments")
+        if named is not None:
+            return frozenset(named)
+        building, _, numbers = self.id.partition("/")
+        return frozenset(f"{building}/{number}" for number in numbers.split("+"))
 
 
 @dataclass(slots=True)

@@ -96,7 +96,7 @@ class Matcher:
         """
         scope = scope_of(pattern, outer)
         given = given_nodes(pattern, outer)
-        told, after = split_conditions(pattern, scope)
+        told, after = split_conditions(pattern, outer)
         groups: dict[Any, list[dict[str, Element]]] = {}
         for expansion in expansions(pattern, outer, self._combining):
             search = Search(expansion, scope, told, self._columns(expansion), smaller, self._combining)

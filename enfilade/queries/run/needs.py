@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from enfilade.queries.binding import free_variables
 from enfilade.queries.kinds import Scope, scope_of, whole_scope
 from enfilade.queries.query_graph import Pattern, QueryGraph
 from enfilade.queries.sayable import sayable
@@ -18,10 +19,19 @@ def needed_properties(query: QueryGraph) -> dict[str, set[str]]:
     return found
 
 
-def split_conditions(pattern: Pattern, scope: Scope) -> tuple[tuple[Expression, ...], tuple[Expression, ...]]:
-    """Return the conditions that the store tests, and those that are tested after it."""
-    parts = conjuncts(pattern.where)
-    return tuple(p for p in parts if sayable(p, scope)), tuple(p for p in parts if not sayable(p, scope))
+def split_conditions(pattern: Pattern, outer: Scope) -> tuple[tuple[Expression, ...], tuple[Expression, ...]]:
+    """Return the conditions that the store tests, and those that are tested after it.
+
+    A statement for an extension has the nodes from outside in it, but not the edges.
+    """
+    scope = scope_of(pattern, outer)
+    edges = {name for name, meaning in outer.items() if not meaning.is_node}
+    told: list[Expression] = []
+    after: list[Expression] = []
+    for part in conjuncts(pattern.where):
+        in_store = sayable(part, scope) and not edges & set(free_variables(part))
+        (told if in_store else after).append(part)
+    return tuple(told), tuple(after)
 
 
 def _uses(query: QueryGraph) -> Iterator[tuple[str, str]]:
@@ -37,7 +47,7 @@ def _uses(query: QueryGraph) -> Iterator[tuple[str, str]]:
 def _in_pattern(pattern: Pattern, outer: Scope) -> Iterator[tuple[str, str]]:
     scope = scope_of(pattern, outer)
     yield from ((node.name, "segments") for node in pattern.nodes if node.label == "Object")
-    for condition in split_conditions(pattern, scope)[1]:
+    for condition in split_conditions(pattern, outer)[1]:
         yield from _in_expression(condition, scope)
 
 

@@ -41,9 +41,9 @@ def _distance(match: Match, name: str, likeness: Likeness, examples: Examples) -
     return GREATEST_DISTANCE if likeness.within is None else number_of(likeness.within)
 
 
-def ids_key(match: Match, names: Sequence[str]) -> tuple[tuple[bool, Any], ...]:
+def ids_key(match: Match, names: Sequence[str]) -> tuple[tuple[int, Any], ...]:
     """Return what the ids of elements sort by; a missing one comes last."""
-    return tuple((id is None, "" if id is None else id) for id in map(match.id_of, names))
+    return tuple(_rank(match.elements.get(name)) for name in names)
 
 
 def one_of_each(matches: Iterable[Match], order: Sequence[str], symmetries: Sequence[Symmetry]) -> list[Match]:
@@ -60,6 +60,7 @@ def _is_smaller(match: Match, order: Sequence[str], symmetry: Symmetry) -> bool:
 
 
 def _rank(element: Element | None) -> tuple[int, Any]:
+    """Return an id as one that any other can be compared with."""
     if element is None:
         return 2, ""
     return (0 if element.is_node else 1), element.id
@@ -71,7 +72,7 @@ def without_overlap(
     """Keep the best of matches that agree but for likened objects that share segments (§6.2, §7)."""
     ranked = sorted(matches, key=lambda match: (-match.score, ids_key(match, order)))
     objects = [name for name in order if name in likened]
-    nodes = [name for name in order if name not in likened and _is_node(matches, name)]
+    nodes = [name for name in order if name not in likened]
     kept: list[Match] = []
     seen: dict[Any, list[list[frozenset[str]]]] = {}
     for match in ranked:
@@ -86,11 +87,6 @@ def without_overlap(
     return kept
 
 
-def _is_node(matches: Sequence[Match], name: str) -> bool:
-    """Whether a name stands for a node; parallel edges alone make no other match here."""
-    return any(e is not None and e.is_node for e in (match.elements.get(name) for match in matches))
-
-
 def _segments(match: Match, name: str) -> frozenset[str]:
     element = match.elements[name]
     return frozenset([""]) if element is None else element.segments
@@ -98,8 +94,14 @@ def _segments(match: Match, name: str) -> frozenset[str]:
 
 def _keys(match: Match, nodes: Sequence[str], segments: Sequence[frozenset[str]]) -> Iterator[Any]:
     """Where to look for matches that may overlap: all other nodes, and one segment of the first object."""
-    rest = tuple(match.id_of(name) for name in nodes)
+    rest = tuple(_node_id(match, name) for name in nodes)
     yield from ((rest, segment) for segment in segments[0])
+
+
+def _node_id(match: Match, name: str) -> Any:
+    """Return a node's id; which edge it is makes no other match here."""
+    element = match.elements.get(name)
+    return element.id if element is not None and element.is_node else None
 
 
 def _share(own: Sequence[frozenset[str]], other: Sequence[frozenset[str]]) -> bool:
