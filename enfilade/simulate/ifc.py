@@ -15,9 +15,12 @@ from .flights import stairs_between
 from .frames import frame_of, in_the_way, measured_hole, opening_of, rooms_beside
 from .ifc_model import ROLES, Element, Model, read_model
 from .locate import Locator, commonest
+from .polygons import plan_samples
 from .scene import OUTSIDE, Furnishing, Opening, Room, Scene, SceneParts
 from .solids import Mesh, merge
 from .units import Units, units_of
+
+_CLEAR_OF_FLOOR_M = 0.1
 
 
 def ifc_scene(path: Path, *, closed_share: float = 0.1, seed: int = 1) -> Scene:
@@ -90,7 +93,8 @@ class _Building:
     def scene(self, name: str, units: Units, openings: Sequence[Opening], shut: set[int]) -> Scene:
         """Put the scene together."""
         parts = SceneParts()
-        for element in (*self._of["fabric"], *self._of["stairs"]):
+        ground = [e for e in self._of["ground"] if not _reaches_indoors(e.mesh, units.rooms)]
+        for element in (*self._of["fabric"], *self._of["stairs"], *ground):
             _add_element(parts, element, element.see_through)
         for window in self._windows:
             panes = window.see_through if window.see_through.any() else self._fillings[window.number]
@@ -119,6 +123,17 @@ def _add_element(parts: SceneParts, element: Element, glass: NDArray[np.bool_]) 
         parts.add_structure(element.part(~glass))
     if glass.any():
         parts.add_glass(element.part(glass))
+
+
+def _reaches_indoors(ground: Mesh, rooms: Sequence[Room]) -> bool:
+    """Whether a terrain, often drawn without a hole for the building, runs through a room."""
+    caster = Caster(ground)
+    for room in rooms:
+        low, high = room.floor_elevation + _CLEAR_OF_FLOOR_M, room.ceiling_elevation - _CLEAR_OF_FLOOR_M
+        feet = plan_samples(room.polygon, low)
+        if caster.blocked(feet, np.column_stack([feet[:, :2], np.full(len(feet), high)])).any():
+            return True
+    return False
 
 
 def _floor(rooms: Sequence[Room], sides: tuple[int, int]) -> float:

@@ -22,6 +22,7 @@ ROLES = {
     "door": ("IfcDoor",),
     "window": ("IfcWindow",),
     "stairs": ("IfcStair", "IfcStairFlight", "IfcRamp", "IfcRampFlight"),
+    "ground": ("IfcSite", "IfcGeographicElement"),
     "furniture": (
         "IfcFurnishingElement",
         "IfcDistributionElement",
@@ -29,8 +30,10 @@ ROLES = {
         "IfcTransportElement",
     ),
 }
-"""What IFC classes are to the scanner; all others are fabric: walls, slabs, columns, ground."""
+"""What IFC classes are to the scanner; all others are fabric: walls, slabs, columns."""
 _BODILESS = ("IfcFeatureElementSubtraction", "IfcAnnotation", "IfcGrid", "IfcVirtualElement", "IfcPort")
+_CLASSLESS = "IfcBuildingElementProxy"
+_SMALL_M = 3.0
 _SEE_THROUGH = 0.3
 _THREADS = 2
 
@@ -126,16 +129,24 @@ def _element(entity: Any, shape: Any) -> Element:
     triangles = np.array(geometry.faces, dtype=np.int32).reshape(-1, 3)
     material = np.array(geometry.material_ids, dtype=np.int64)
     transparency = np.array([m.transparency for m in geometry.materials] + [0.0], dtype=np.float64)
+    mesh = Mesh(local @ placement[:3, :3].T + placement[:3, 3], triangles)
     return Element(
         shape.id,
-        next((role for role, classes in ROLES.items() if any(entity.is_a(c) for c in classes)), "fabric"),
+        _role(entity, mesh),
         getattr(entity, "LongName", None) or entity.Name or entity.is_a(),
-        Mesh(local @ placement[:3, :3].T + placement[:3, 3], triangles),
+        mesh,
         np.array(geometry.item_ids, dtype=np.int32),
         np.nan_to_num(transparency)[material] > _SEE_THROUGH,
         placement,
         _host(entity),
     )
+
+
+def _role(entity: Any, mesh: Mesh) -> str:
+    """Role by class; what has no class of its own is furniture if it is small."""
+    if entity.is_a(_CLASSLESS):
+        return "furniture" if np.ptp(mesh.bounds, axis=0).max() <= _SMALL_M else "fabric"
+    return next((role for role, classes in ROLES.items() if any(entity.is_a(c) for c in classes)), "fabric")
 
 
 def _host(entity: Any) -> int | None:

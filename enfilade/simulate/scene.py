@@ -177,6 +177,13 @@ class SceneParts:
         self._numbers.append((furnishing, solid, glass))
 
 
+def places_of(numbers: NDArray[np.integer], count: int) -> list[NDArray[np.intp]]:
+    """Return where each number from 0 to below `count` stands, in order; negative ones are left out."""
+    places = np.flatnonzero(numbers >= 0)
+    order = places[np.argsort(numbers[places], kind="stable")]
+    return np.split(order, np.searchsorted(numbers[order], np.arange(1, count)))[:count]
+
+
 def _surfaces(mesh: Mesh, solid: NDArray[np.int_]) -> I32:
     """``(T,)`` number of each solid's flat sides: same solid, same normal (to 0.02), same offset (to 1 cm)."""
     normals = unit_normals(mesh)

@@ -27,6 +27,7 @@ _HELD_SHARE = 0.6
 _ROOF_WITHIN_M = 15.0
 _WALL_AT_MOST_M = 0.6
 _ROW_STEP_M = 0.15
+_HEIGHT_AT_LEAST_M = 1.0
 _CLEAR_SHARE = 0.5
 _WHOLE = 0.9
 _SIDE_AT_LEAST_M = 0.8
@@ -50,8 +51,6 @@ class Border:
 
     Attributes
     ----------
-    length
-        Of the common boundary, metres.
     clear
         ``(C,)`` height above the floor up to which each column, `COLUMN_STEP_M` wide, can be passed.
     open_top
@@ -106,8 +105,14 @@ def space_of(name: str, mesh: Mesh) -> Space | None:
 
 def sound_spaces(spaces: Sequence[Space], levels: Sequence[float], walls: Caster) -> list[Space]:
     """Leave out spaces that hold others or have no roof, cut those over several storeys at the upper floors."""
-    sound = [s for s in spaces if not _holds_others(s, spaces) and _covered(s, walls)]
+    tree = shapely.STRtree(_polygons(spaces))
+    near = [[spaces[k] for k in tree.query(space.polygon, predicate="intersects")] for space in spaces]
+    sound = [s for s, others in zip(spaces, near, strict=True) if not _holds_others(s, others) and _covered(s, walls)]
     return [piece for space in sound for piece in _cut(space, levels)]
+
+
+def _polygons(spaces: Sequence[Space]) -> NDArray[np.object_]:
+    return np.array([space.polygon for space in spaces], dtype=object)
 
 
 def _cut(space: Space, levels: Sequence[float]) -> list[Space]:
@@ -121,10 +126,10 @@ def _cut(space: Space, levels: Sequence[float]) -> list[Space]:
     ]
 
 
-def _holds_others(space: Space, spaces: Sequence[Space]) -> bool:
-    """Whether other spaces fill most of its volume."""
+def _holds_others(space: Space, others: Sequence[Space]) -> bool:
+    """Whether other spaces, which its plan meets, fill most of its volume."""
     held = 0.0
-    for other in spaces:
+    for other in others:
         common = min(space.top, other.top) - max(space.bottom, other.bottom)
         if other is not space and common > 0 and other.polygon.area < space.polygon.area:
             held += common * space.polygon.intersection(other.polygon).area
@@ -141,7 +146,7 @@ def _covered(space: Space, walls: Caster) -> bool:
 
 def borders_of(spaces: Sequence[Space], fabric: Caster) -> list[Border]:
     """Look at what stands between every two spaces of a level that lie side by side."""
-    polygons = np.array([space.polygon for space in spaces], dtype=object)
+    polygons = _polygons(spaces)
     near = shapely.STRtree(polygons).query(polygons, predicate="dwithin", distance=_WALL_AT_MOST_M)
     pairs = [
         (int(a), int(b)) for a, b in near.T if a < b and abs(spaces[a].bottom - spaces[b].bottom) < _LEVEL_TOLERANCE_M
@@ -155,11 +160,10 @@ def _border(spaces: Sequence[Space], a: int, b: int, fabric: Caster) -> Border |
     columns = boundary_columns(spaces[a].polygon)
     gap = distance_along(columns.points, columns.outwards, spaces[b].polygon, _WALL_AT_MOST_M)
     beside = np.isfinite(gap)
-    if not beside.any():
+    bottom, top = max(spaces[a].bottom, spaces[b].bottom), min(spaces[a].top, spaces[b].top)
+    if not beside.any() or top - bottom < _HEIGHT_AT_LEAST_M:
         return None
     start, across, gap = columns.points[beside], columns.outwards[beside], gap[beside]
-    bottom = max(spaces[a].bottom, spaces[b].bottom)
-    top = min(spaces[a].top, spaces[b].top)
     heights = np.arange(bottom + 0.1, top - 0.05, _ROW_STEP_M)
     blocked = _blocked_columns(start, across, gap, heights, fabric)
     first = np.where(blocked.any(axis=1), blocked.argmax(axis=1), len(heights))

@@ -16,7 +16,7 @@ from .adjacency import adjacent_rooms
 from .casting import F32
 from .locate import Locator, rooms_of_surfaces
 from .scanner import Pose, Scan
-from .scene import OUTSIDE, Opening, Room, Scene
+from .scene import OUTSIDE, Opening, Room, Scene, places_of
 from .solids import F64, I32
 
 THINNING_M = 0.01
@@ -171,8 +171,8 @@ def _opening_properties(opening: Opening) -> dict[str, object]:
 
 def _add_furnishings(graph: BuildingGraph, scene: Scene, cloud: LabelledCloud) -> None:
     graph.descriptor_shape = DEFAULT_LAYOUT.shape
-    bodies = _members(scene.furnishing, len(scene.furnishings))
-    seen = _members(cloud.object, len(scene.furnishings))
+    bodies = places_of(scene.furnishing, len(scene.furnishings))
+    seen = places_of(cloud.object, len(scene.furnishings))
     for piece in scene.furnishings:
         corners = scene.mesh.vertices[scene.mesh.triangles[bodies[piece.number]]].reshape(-1, 3)
         id = f"{graph.building}/o{piece.number}"
@@ -197,13 +197,6 @@ def _furnishing_properties(corners: F64, points: F64, floor: float | None) -> di
         properties["descriptor"] = describe(points, floor)
         properties["foot_descriptor"] = describe(points, float(points[:, 2].min()))
     return properties
-
-
-def _members(numbers: I32, count: int) -> list[NDArray[np.intp]]:
-    """Return the places of each number from 0 to `count`, in order; others are left out."""
-    places = np.flatnonzero(numbers >= 0)
-    order = places[np.argsort(numbers[places], kind="stable")]
-    return np.split(order, np.searchsorted(numbers[order], np.arange(1, count)))
 
 
 def _room_id(graph: BuildingGraph, number: int) -> str:

@@ -12,7 +12,7 @@ from shapely import Polygon
 
 from .casting import Caster
 from .polygons import largest_polygon, plan_samples
-from .scene import Room, Storey
+from .scene import Room, Storey, places_of
 from .solids import F64, Mesh, merge
 from .spaces import Border, Space, borders_of, sound_spaces, space_of, unite
 
@@ -50,9 +50,7 @@ def units_of(bodies: Sequence[tuple[str, Mesh]], levels: Sequence[tuple[float, s
     spaces = sound_spaces(found, [z for z, _ in levels], walls)
     borders = borders_of(spaces, walls)
     unit = unite(spaces, borders)
-    members = [
-        [s for s, u in zip(spaces, unit, strict=True) if u == number] for number in range(unit.max(initial=-1) + 1)
-    ]
+    members = [[spaces[k] for k in places] for places in places_of(unit, unit.max(initial=-1) + 1)]
     floors = [_floor(group, walls) for group in members]
     storeys, storey = _storeys(floors, levels)
     gap = max((float(b.gap.max()) for b in borders if b.wall_less), default=0.0)
@@ -105,5 +103,5 @@ def _storeys(
     place = np.searchsorted(elevations, np.array(floors) + _LEVEL_TOLERANCE_M, side="right") - 1
     used, storey = np.unique(np.maximum(place, 0), return_inverse=True)
     names = [name for _, name in levels] or [""]
-    heights = [float(np.median([z for z, s in zip(floors, storey, strict=True) if s == k])) for k in range(len(used))]
+    heights = [float(np.median(np.array(floors)[members])) for members in places_of(storey, len(used))]
     return tuple(Storey(k, heights[k], names[u] or f"Storey {k}") for k, u in enumerate(used)), storey
