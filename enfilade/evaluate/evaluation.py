@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from enfilade.clouds import LabelledCloud, read_cloud
 from enfilade.schema.exchange import read_graph
@@ -24,6 +24,8 @@ from .rooms import (
     storey_figures,
 )
 from .sides import side
+
+_MOST_NAMES: Final = 12
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,9 +48,8 @@ class Evaluation:
         return asdict(self)
 
     def to_table(self) -> list[tuple[str, Any]]:
-        """Return rows of (what, value) for people; names of what went wrong at the end, where something did."""
-        rows = _figures(self)
-        return rows + [(what, "; ".join(names)) for what, names in _faults(self) if names]
+        """Return rows of (what, value) for people; names of what went wrong at the end, the first dozen of each."""
+        return _figures(self) + [(what, _listed(names)) for what, names in _faults(self) if names]
 
 
 def evaluate(prediction: Path, truth: Path) -> Evaluation:
@@ -86,6 +87,12 @@ def evaluate_graphs(
         connectivity_figures(found, true, prediction, truth),
         object_figures(prediction, truth, cells),
     )
+
+
+def _listed(names: tuple[str, ...]) -> str:
+    """Return some names in a line; `Evaluation.to_dict` has them all."""
+    more = len(names) - _MOST_NAMES
+    return "; ".join(names[:_MOST_NAMES]) + (f"; and {more} more" if more > 0 else "")
 
 
 def _figures(found: Evaluation) -> list[tuple[str, Any]]:

@@ -215,6 +215,15 @@ def test_storeys_are_compared_by_the_rooms_on_them_not_by_their_index():
     assert (found.rooms_right, found.misplaced) == (1, ())
 
 
+def test_of_many_faults_the_table_names_a_dozen():
+    doors = [("door", "open", (0, 1), (4.1, 2.0 + n, 30.0), 0.9) for n in range(15)]
+    found = compare(make_graph(doors=doors, scans=False))
+    (named,) = (value for what, value in found.to_table() if what == "openings invented")
+    assert named.count("Room 0") == 12
+    assert named.endswith("; and 3 more")
+    assert len(found.openings.invented) == 15
+
+
 def test_two_folders_are_compared(tmp_path):
     for name, scans in (("prediction", False), ("truth", True)):
         (tmp_path / name).mkdir()
