@@ -36,7 +36,7 @@ def buildings_command(ctx: click.Context, form: str) -> None:
 @click.option("--plan", type=click.Path(dir_okay=False, path_type=Path), help="Draw a plan a storey: PNG or SVG.")
 @click.pass_context
 def show_command(ctx: click.Context, building: str, plan: Path | None) -> None:
-    """Show a building as a small tree and a table of rooms; with --plan also as drawings."""
+    """Show a building as tree, table of rooms and plans."""
     archive = open_archive(ctx)
     graph = archive.store.read(building)
     print_building(graph)
@@ -118,7 +118,10 @@ def export_command(ctx: click.Context, building: str, output: Path) -> None:
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.pass_context
 def import_command(ctx: click.Context, files: tuple[Path, ...]) -> None:
-    """Read graph files (or folders with graph.json and cloud.ply) into the store."""
+    """Read graph files into the store.
+
+    FILES are .json, .jsonl or .jsonl.gz, or folders with graph.json and cloud.ply.
+    """
     from enfilade.clouds import read_cloud
 
     archive = open_archive(ctx, create=True)
@@ -140,7 +143,7 @@ def import_command(ctx: click.Context, files: tuple[Path, ...]) -> None:
 @click.option("--to", "target", required=True, help="The store to copy into.")
 @click.pass_context
 def copy_command(ctx: click.Context, buildings: tuple[str, ...], target: str) -> None:
-    """Copy buildings, all of them if none is named, into another store."""
+    """Copy buildings into another store; all, if none is named."""
     source = open_archive(ctx)
     destination = open_archive(ctx, create=True, url=target)
     names = buildings or tuple(summary.id for summary in source.store.buildings())

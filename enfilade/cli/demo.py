@@ -26,7 +26,10 @@ ORDER BY score DESC LIMIT 3"""
 @click.option("--folder", type=click.Path(file_okay=False, path_type=Path), default=Path("demo"), show_default=True)
 @click.pass_context
 def demo_command(ctx: click.Context, folder: Path) -> None:
-    """Simulate scans of the built-in building, ingest them, ask the paper's kind of question, draw the answers."""
+    """Go the whole way on the built-in building.
+
+    Simulates its scans, ingests them, asks the paper's kind of question and draws the answers.
+    """
     archive = open_archive(ctx, create=True)
     folder.mkdir(parents=True, exist_ok=True)
     scans, basin = folder / "demo.e57", folder / "basin.obj"

@@ -43,7 +43,7 @@ def extract_command(ctx: click.Context, node: str, output: Path) -> None:
 @click.argument("other", required=False)
 @click.pass_context
 def measure_command(ctx: click.Context, node: str, other: str | None) -> None:
-    """Print a node's measures; of two nodes, how far apart their centres are."""
+    """Print the measures of a node, and how far it is from another."""
     archive = open_archive(ctx)
     rows: list[tuple[object, ...]] = []
     for each in filter(None, (node, other)):

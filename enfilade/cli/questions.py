@@ -47,7 +47,7 @@ def query_command(
     explain: bool,
     timeout: float,
 ) -> None:
-    """Ask a question of all buildings in the store and print the ranked matches."""
+    """Ask all buildings in the store and print the ranked matches."""
     from enfilade.queries import answer
 
     if form == "parquet" and output is None:
@@ -122,7 +122,10 @@ def _write(rows: list[dict[str, Any]], columns: list[str], form: str, *, nl: boo
 )
 @click.pass_context
 def cypher_command(ctx: click.Context, text: str, params: tuple[str, ...], timeout: float) -> None:
-    """Send raw Cypher to a Neo4j store, read-only, and print the rows as JSON lines."""
+    """Send raw Cypher to a Neo4j store, read-only.
+
+    The rows are printed as JSON, one a line.
+    """
     from enfilade.stores.neo4j import Neo4jStore
 
     store = open_archive(ctx).store

@@ -24,9 +24,10 @@ PATH = click.Path(path_type=Path)
 @click.option("--rooms", "grouping", type=PATH, help="CSV `scan,room` that overrides the automatic grouping.")
 @click.pass_context
 def ingest_command(ctx: click.Context, scans: tuple[Path, ...], building: str | None, grouping: Path | None) -> None:
-    """Turn registered scans (E57 files or folders of them) into a graph in the store.
+    """Turn registered scans into a graph in the store.
 
-    One building that fails does not stop the others; the exit status is 1 if any failed.
+    SCANS are E57 files or folders of them. One building that fails does not stop the others; the exit status is 1 if
+    any failed.
     """
     from enfilade.schema.ids import check_building
 
@@ -43,7 +44,7 @@ def ingest_command(ctx: click.Context, scans: tuple[Path, ...], building: str | 
         except EnfiladeError as error:
             if ctx.obj["debug"]:
                 raise
-            ERR.print(f"Error: {name}: {error}", markup=False)
+            click.echo(f"Error: {name}: {error}", err=True)
             failed += 1
     ctx.exit(1 if failed else 0)
 
@@ -120,9 +121,9 @@ def _scene(model: Path | None, seed: int, closed: float | None, positions: Path 
 @click.option("--format", "form", type=click.Choice(["table", "json"]), default="table", show_default=True)
 @click.pass_context
 def evaluate_command(ctx: click.Context, prediction: Path, truth: Path, form: str) -> None:
-    """Compare a graph with the truth: two folders with graph.json and cloud.ply.
+    """Compare a graph and its cloud with the truth.
 
-    PREDICTION may also be the id of a building in the store.
+    Both are folders with graph.json and cloud.ply; PREDICTION may also be the id of a building in the store.
     """
     from enfilade.evaluate import evaluate, evaluate_graphs
 

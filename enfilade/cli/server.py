@@ -10,7 +10,10 @@ from enfilade.server import USER, ServerStatus, Settings, start, status, stop
 
 @click.group("server")
 def server_command() -> None:
-    """Bring up a real Neo4j with its Browser on this machine; no Docker, no root, no system Java."""
+    """Run a real Neo4j with its Browser on this machine.
+
+    It needs no Docker, no root and no Java of the system.
+    """
 
 
 @server_command.command("start")

@@ -55,8 +55,8 @@ def test_demo_draws_plans_and_matches(demo: Demo) -> None:
 
 def test_demo_rooms_agree_with_the_truth(demo: Demo) -> None:
     found = json.loads(enfilade(demo, "evaluate", "demo", "demo/demo.truth", "--format", "json"))
-    assert found["rooms"]["f1_50"] >= 0.95
-    assert found["rooms"]["f1_70"] >= 0.9
+    assert found["rooms"]["f1_at_50"] >= 0.95
+    assert found["rooms"]["f1_at_70"] >= 0.9
 
 
 def test_export_is_read_by_networkx_and_ply_readers(demo: Demo) -> None:

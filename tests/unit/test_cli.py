@@ -2,26 +2,59 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
-from enfilade.cli import COMMANDS, cli
+from enfilade.cli import COMMANDS, cli, main
+
+HOTEL = Path(__file__).parents[1] / "graphs" / "hotel.graph.json"
 
 
-def enfilade(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "enfilade", *arguments]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL)
+@dataclass(frozen=True)
+class Done:
+    """How a command ended."""
+
+    status: int
+    out: str
+    err: str
 
 
-def assert_one_sentence(done: subprocess.CompletedProcess[str], *, status: int, about: str) -> None:
-    assert done.returncode == status, done.stderr
-    assert "Traceback" not in done.stderr
-    assert about in done.stderr
-    assert done.stdout == ""
+Enfilade = Callable[..., Done]
+
+
+@pytest.fixture
+def enfilade(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Enfilade:
+    """Run the command line in an empty folder, in this process."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("ENFILADE_STORE", raising=False)
+
+    def run(*arguments: str) -> Done:
+        monkeypatch.setattr(sys, "argv", ["enfilade", *arguments])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        captured = capsys.readouterr()
+        return Done(int(ended.value.code or 0), captured.out, captured.err)
+
+    return run
+
+
+@pytest.fixture
+def with_hotel(enfilade: Enfilade) -> Enfilade:
+    """The same, with a store that holds the hotel."""
+    assert enfilade("import", str(HOTEL)).status == 0
+    return enfilade
+
+
+def assert_one_sentence(done: Done, *, status: int, about: str) -> None:
+    assert done.status == status, done.err
+    assert about in done.err
+    assert "Traceback" not in done.err
+    assert done.out == ""
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -31,27 +64,38 @@ def test_every_command_explains_itself(command: str) -> None:
     assert "Usage:" in result.output
 
 
-def test_help_lists_every_command() -> None:
-    output = CliRunner().invoke(cli, ["--help"]).output
-    assert all(f"\n  {command} " in output for command in COMMANDS)
+def test_help_lists_every_command_in_a_line() -> None:
+    lines = CliRunner().invoke(cli, ["--help"]).output.split("Commands:\n")[1].splitlines()
+    assert [line.split()[0] for line in lines] == list(COMMANDS)
+    assert not any(line.endswith("...") for line in lines)
 
 
-def test_missing_scan_file(tmp_path: Path) -> None:
-    assert_one_sentence(enfilade("ingest", "nowhere.e57", cwd=tmp_path), status=1, about="nowhere.e57")
+def test_missing_scan_file(enfilade: Enfilade) -> None:
+    assert_one_sentence(enfilade("ingest", "nowhere.e57"), status=1, about="nowhere.e57")
 
 
-def test_folder_without_scans(tmp_path: Path) -> None:
+def test_folder_without_scans(enfilade: Enfilade, tmp_path: Path) -> None:
     (tmp_path / "scans").mkdir()
-    assert_one_sentence(enfilade("ingest", "scans", cwd=tmp_path), status=1, about="scans")
+    assert_one_sentence(enfilade("ingest", "scans"), status=1, about="scans")
 
 
-def test_unknown_building(tmp_path: Path) -> None:
-    enfilade("import", str(_hotel()), cwd=tmp_path)
-    assert_one_sentence(enfilade("show", "motel", cwd=tmp_path), status=1, about="motel")
+def test_a_failed_ingest_leaves_the_store_as_it_was(with_hotel: Enfilade, tmp_path: Path) -> None:
+    before = with_hotel("buildings", "--format", "json").out
+    (tmp_path / "hotel.e57").write_bytes(b"ASTM-E57" + bytes(100))
+    assert_one_sentence(with_hotel("ingest", "hotel.e57"), status=1, about="hotel.e57")
+    assert with_hotel("buildings", "--format", "json").out == before
 
 
-def test_missing_store(tmp_path: Path) -> None:
-    assert_one_sentence(enfilade("buildings", cwd=tmp_path), status=1, about="enfilade.db")
+def test_unknown_building(with_hotel: Enfilade) -> None:
+    assert_one_sentence(with_hotel("show", "motel"), status=1, about="motel")
+
+
+def test_unknown_command(enfilade: Enfilade) -> None:
+    assert_one_sentence(enfilade("qery", "MATCH"), status=2, about="qery")
+
+
+def test_missing_store_is_not_made(enfilade: Enfilade, tmp_path: Path) -> None:
+    assert_one_sentence(enfilade("buildings"), status=1, about="enfilade.db")
     assert not (tmp_path / "enfilade.db").exists()
 
 
@@ -66,27 +110,38 @@ def test_missing_store(tmp_path: Path) -> None:
         ("MATCH (a:Room", "line 1"),
     ],
 )
-def test_bad_question_shows_place_and_suggestion(tmp_path: Path, question: str, about: str) -> None:
-    enfilade("import", str(_hotel()), cwd=tmp_path)
-    done = enfilade("query", question, cwd=tmp_path)
-    assert_one_sentence(done, status=2, about=about)
+def test_bad_question_shows_place_and_suggestion(with_hotel: Enfilade, question: str, about: str) -> None:
+    assert_one_sentence(with_hotel("query", question), status=2, about=about)
 
 
-def test_missing_mesh(tmp_path: Path) -> None:
-    enfilade("import", str(_hotel()), cwd=tmp_path)
-    question = "MATCH (o:Object LIKE 'nowhere.obj') RETURN o"
-    done = enfilade("query", question, cwd=tmp_path)
-    assert done.returncode in (1, 2)
-    assert "nowhere.obj" in done.stderr
-    assert "Traceback" not in done.stderr
+def test_missing_mesh(with_hotel: Enfilade) -> None:
+    done = with_hotel("query", "MATCH (o:Object LIKE 'nowhere.obj') RETURN o")
+    assert_one_sentence(done, status=1, about="nowhere.obj")
 
 
-def test_answers_can_be_piped(tmp_path: Path) -> None:
-    enfilade("import", str(_hotel()), cwd=tmp_path)
-    done = enfilade("query", "MATCH (a:Room {area: 12..14}) RETURN a, a.name", "--nl", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.splitlines()[0] == '{"a": "hotel/r1", "a.name": "Office A"}'
+def test_cypher_needs_neo4j(with_hotel: Enfilade) -> None:
+    assert_one_sentence(with_hotel("cypher", "MATCH (n) RETURN n"), status=1, about="query")
 
 
-def _hotel() -> Path:
-    return Path(__file__).parents[1] / "graphs" / "hotel.graph.json"
+def test_a_password_does_not_belong_into_an_address(enfilade: Enfilade) -> None:
+    done = enfilade("--store", "neo4j://neo4j:secret@127.0.0.1:1", "buildings")
+    assert_one_sentence(done, status=1, about="ENFILADE_PASSWORD")
+    assert "secret" not in done.err
+
+
+def test_answers_can_be_piped(with_hotel: Enfilade) -> None:
+    done = with_hotel("query", "MATCH (a:Room {area: 12..14}) RETURN a, a.name", "--nl")
+    assert done.status == 0, done.err
+    assert done.out.splitlines()[0] == '{"a": "hotel/r1", "a.name": "Office A"}'
+
+
+def test_question_from_a_file_with_parameters(with_hotel: Enfilade, tmp_path: Path) -> None:
+    (tmp_path / "large.cypher").write_text("MATCH (a:Room) WHERE a.area > $least RETURN a.name", encoding="utf-8")
+    done = with_hotel("query", "-f", "large.cypher", "--param", "least=20", "--format", "csv")
+    assert done.out.splitlines() == ["a.name", "Lobby", "Suite"]
+
+
+def test_explain_goes_to_standard_error(with_hotel: Enfilade) -> None:
+    done = with_hotel("query", "MATCH (a:Room {area: 30}) RETURN a", "--format", "csv", "--explain")
+    assert done.out.splitlines() == ["a", "hotel/r0"]
+    assert "SELECT" in done.err
