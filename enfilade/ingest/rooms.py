@@ -108,7 +108,7 @@ def label_rooms(
     """
     structure = Structure(planes)
     nodes = gather_nodes(surfels, planes, parameters.node_m)
-    starts, normals = _ray_starts(surfels, planes)
+    starts, normals = ray_starts(surfels, planes)
     middles = nodes.members[(nodes.starts[:-1] + nodes.starts[1:]) // 2]
     viewers = _viewers(structure, starts[middles], normals[middles], groups, parameters)
     transition = trace_transitions(structure, starts, normals, planes, nodes, parameters, progress=progress)
@@ -216,7 +216,7 @@ def _rays(starts: F32, normals: F32, nodes: Nodes, count: int) -> Iterator[tuple
         yield np.repeat(node, count), starts[member], _turned(spun, normals[member])
 
 
-def _ray_starts(surfels: Surfels, planes: Planes) -> tuple[F32, F32]:
+def ray_starts(surfels: Surfels, planes: Planes) -> tuple[F32, F32]:
     """Where the rays of each surfel start, a little above its plane or itself, and around which normal."""
     lift = np.full(len(surfels.positions), _LIFT_M, np.float32)
     normals = surfels.normals.copy()

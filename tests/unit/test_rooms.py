@@ -1,0 +1,153 @@
+"""Groups and label diffusion on two box rooms with a door."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from scanned_boxes import DOOR, LEFT, RIGHT, Box, Door, scan, scans
+
+from enfilade.ingest.groups import group_scans
+from enfilade.ingest.inside import keep_inside
+from enfilade.ingest.measures import measure_rooms
+from enfilade.ingest.planes import find_planes
+from enfilade.ingest.plans import draw_plans
+from enfilade.ingest.records import Groups, Planes, RoomLabels, Scan, Surfels, ThinnedCloud
+from enfilade.ingest.rooms import RoomParameters, gather_nodes, label_rooms, ray_starts, trace_transitions
+from enfilade.ingest.structure import Structure
+from enfilade.ingest.surfels import make_surfels
+from enfilade.ingest.thinning import thin
+
+
+@dataclass(frozen=True)
+class Building:
+    cloud: ThinnedCloud
+    surfels: Surfels
+    planes: Planes
+    groups: Groups
+    labels: RoomLabels
+
+
+def build(parts: list[Scan]) -> Building:
+    cloud = thin(parts)
+    surfels = make_surfels(cloud)
+    planes = find_planes(surfels)
+    groups = group_scans(planes, cloud.scanner_positions)
+    return Building(cloud, surfels, planes, groups, label_rooms(surfels, planes, groups))
+
+
+@pytest.fixture(scope="module")
+def two_rooms() -> Building:
+    return build(scans(DOOR))
+
+
+def in_room(building: Building, box: Box) -> np.ndarray:
+    """Surfels well inside one of the boxes."""
+    x = building.surfels.positions[:, 0]
+    return (x > box.low[0] - 0.05) & (x < box.high[0] + 0.05)
+
+
+def test_scans_that_a_door_joins_are_two_rooms(two_rooms: Building) -> None:
+    assert two_rooms.groups.scan_room.tolist() == [0, 1]
+    assert two_rooms.groups.votes.all()
+    assert two_rooms.groups.floors == pytest.approx([0.0, 0.0], abs=0.02)
+
+
+def test_two_scans_of_a_room_are_one_room() -> None:
+    second = replace(LEFT, scanner=(3.0, 2.0, 1.5), name="second")
+    building = build([scan(LEFT, [LEFT], None), scan(second, [second], None)])
+    assert building.groups.scan_room.tolist() == [0, 0]
+
+
+def test_a_passage_up_to_the_ceiling_in_a_wall_parts_rooms_as_a_door_does() -> None:
+    assert build(scans(Door(4.075, (1.0, 2.0), 2.6))).groups.scan_room.tolist() == [0, 1]
+
+
+def test_where_most_of_the_wall_is_open_there_is_one_room() -> None:
+    assert build(scans(Door(4.075, (0.3, 2.95), 2.6))).groups.scan_room.tolist() == [0, 0]
+
+
+def test_numbers_do_not_depend_on_the_order_of_scans() -> None:
+    cloud = thin(scans(DOOR)[::-1])
+    groups = group_scans(find_planes(make_surfels(cloud)), cloud.scanner_positions)
+    assert cloud.scan_names == ("right", "left")
+    assert groups.scan_room.tolist() == [1, 0]
+
+
+def test_given_rooms_override_the_automatic_groups(two_rooms: Building) -> None:
+    scanners = two_rooms.cloud.scanner_positions
+    joined = group_scans(two_rooms.planes, scanners, {0: "suite", 1: "suite"})
+    assert joined.scan_room.tolist() == [0, 0]
+
+
+def test_a_scan_that_is_not_given_follows_its_automatic_group() -> None:
+    second = replace(LEFT, scanner=(3.0, 2.0, 1.5), name="second")
+    building = build([scan(LEFT, [LEFT], None), scan(second, [second], None), scan(RIGHT, [RIGHT], None)])
+    groups = group_scans(building.planes, building.cloud.scanner_positions, {0: "a", 2: "a"})
+    assert groups.scan_room.tolist() == [0, 0, 0]
+
+
+def test_before_is_the_room_of_the_scan_and_the_door_lets_it_see_the_other(two_rooms: Building) -> None:
+    labels = two_rooms.labels
+    assert (labels.before == labels.scan_room[two_rooms.surfels.scan]).all()
+    beyond = in_room(two_rooms, RIGHT) & (labels.before == 0)
+    assert beyond.sum() > 50
+
+
+def test_diffusion_gives_what_was_seen_through_the_door_to_its_own_room(two_rooms: Building) -> None:
+    for number, box in enumerate((LEFT, RIGHT)):
+        assert (two_rooms.labels.after[in_room(two_rooms, box)] == number).mean() > 0.99
+
+
+def test_transitions_are_row_stochastic_and_stay_in_closed_rooms() -> None:
+    building = build(scans(None))
+    nodes = gather_nodes(building.surfels, building.planes, 0.2)
+    starts, normals = ray_starts(building.surfels, building.planes)
+    structure = Structure(building.planes)
+    matrix = trace_transitions(structure, starts, normals, building.planes, nodes, RoomParameters())
+    assert np.allclose(matrix.sum(axis=1), 1.0, atol=1e-5)
+    assert (matrix.diagonal() > 0.0).all()
+    right = np.zeros(len(nodes), bool)
+    right[nodes.of_surfel[building.surfels.positions[:, 0] > 4.1]] = True
+    assert matrix[right][:, ~right].sum() < 1e-3 * right.sum()
+
+
+def test_each_node_holds_the_surfels_of_one_cell_of_one_plane(two_rooms: Building) -> None:
+    nodes = gather_nodes(two_rooms.surfels, two_rooms.planes, 0.2)
+    assert np.array_equal(np.sort(nodes.members), np.arange(len(two_rooms.surfels.positions)))
+    for node in range(0, len(nodes), 97):
+        members = nodes.members[nodes.starts[node] : nodes.starts[node + 1]]
+        assert (nodes.of_surfel[members] == node).all()
+        assert len(np.unique(two_rooms.planes.surfel_plane[members])) == 1
+        assert np.ptp(two_rooms.surfels.positions[members], axis=0).max() < 0.3
+
+
+def test_the_same_scans_give_the_same_labels(two_rooms: Building) -> None:
+    again = build(scans(DOOR))
+    assert np.array_equal(again.labels.after, two_rooms.labels.after)
+    assert np.array_equal(again.planes.surfel_plane, two_rooms.planes.surfel_plane)
+
+
+def test_areas_levels_and_outlines_are_those_of_the_boxes(two_rooms: Building) -> None:
+    plans = draw_plans(two_rooms.cloud, two_rooms.surfels, two_rooms.planes, two_rooms.labels)
+    rooms = measure_rooms(two_rooms.cloud, two_rooms.surfels, two_rooms.labels, plans)
+    for room, box in zip(rooms, (LEFT, RIGHT), strict=True):
+        width, depth = box.high[0] - box.low[0], box.high[1] - box.low[1]
+        assert room.area == pytest.approx(width * depth, rel=0.01)
+        assert room.floor_elevation == pytest.approx(0.0, abs=0.01)
+        assert room.ceiling_elevation == pytest.approx(2.5, abs=0.01)
+        assert room.centroid == pytest.approx([(box.low[0] + box.high[0]) / 2, 1.5, 0.0], abs=0.03)
+        assert np.abs(room.outline[0].min(axis=0) - box.low[:2]).max() < 0.05
+        assert np.abs(room.outline[0].max(axis=0) - box.high[:2]).max() < 0.05
+        assert room.confidence > 0.8
+    assert [room.scans for room in rooms] == [("left",), ("right",)]
+
+
+def test_what_lies_outside_the_plan_is_of_no_room(two_rooms: Building) -> None:
+    plans = draw_plans(two_rooms.cloud, two_rooms.surfels, two_rooms.planes, two_rooms.labels)
+    moved = replace(two_rooms.labels, after=1 - two_rooms.labels.after)
+    kept = keep_inside(two_rooms.surfels, moved, plans)
+    middle_of_left = two_rooms.surfels.positions[:, 0] < 3.0
+    assert (kept.after[middle_of_left] != 1).all()
+    assert (keep_inside(two_rooms.surfels, two_rooms.labels, plans).after >= 0).mean() > 0.999
