@@ -93,7 +93,7 @@ def _stations(scene: Scene, parameters: Parameters) -> F64:
 def _write_truth(scene: Scene, truth: TruthCloud, scan_rooms: dict[str, int], out: Path, *, grouping: bool) -> None:
     folder = out.with_suffix(".truth")
     folder.mkdir(exist_ok=True)
-    cloud = truth.cloud()
+    cloud = truth.finish()
     write_cloud(folder / "cloud.ply", cloud)
     write_graph(truth_graph(scene, out.stem, cloud, scan_rooms), folder / "graph.json")
     if grouping:

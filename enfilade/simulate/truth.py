@@ -31,6 +31,10 @@ class _LabelledScan:
     local: F32
     labels: I32
 
+    def some(self, kept: NDArray[np.intp]) -> _LabelledScan:
+        """Return it with some of its points."""
+        return _LabelledScan(self.pose, self.local[kept], self.labels[kept])
+
 
 class TruthCloud:
     """Gathers labelled points scan by scan; at most one a centimetre voxel is left in the end."""
@@ -51,20 +55,27 @@ class TruthCloud:
         labels = np.column_stack([room, furnishing, surface]).astype(np.int32)
         self._scans.append(_LabelledScan(scan.pose, scan.local[kept], labels))
 
-    def cloud(self) -> LabelledCloud:
-        """Return all points, sorted by room, then object."""
+    def finish(self) -> LabelledCloud:
+        """Return all points, scan by scan; the gathered scans are given up on the way."""
+        self._thin()
+        counts = [len(scan.local) for scan in self._scans]
+        room, furnishing, surface = np.concatenate([scan.labels for scan in self._scans]).T.copy()
+        positions = np.empty((len(room), 3))
+        for end, count in zip(np.cumsum(counts), counts, strict=True):
+            scan = self._scans.pop(0)
+            positions[end - count : end] = scan.pose.apply(scan.local)
+        storeys = np.array([r.storey for r in self._scene.rooms] + [-1], dtype=np.int32)
+        number = np.repeat(np.arange(len(counts), dtype=np.int32), counts)
+        return LabelledCloud(positions, storeys[room], room, furnishing, surface, number)
+
+    def _thin(self) -> None:
+        """Of the points of all scans in one voxel keep the first."""
         voxels = np.concatenate([self._voxels(scan.pose.apply(scan.local)) for scan in self._scans])
         ends = np.cumsum([len(scan.local) for scan in self._scans])
         firsts = _firsts(voxels)
         kept = np.split(firsts, np.searchsorted(firsts, ends[:-1]))
-        parts = [members - start for members, start in zip(kept, [0, *ends[:-1]], strict=True)]
-        labels = np.concatenate([scan.labels[part] for scan, part in zip(self._scans, parts, strict=True)])
-        order = np.lexsort((labels[:, 1], labels[:, 0]))
-        positions = [s.pose.apply(s.local[part]) for s, part in zip(self._scans, parts, strict=True)]
-        scan = np.repeat(np.arange(len(parts), dtype=np.int32), [len(part) for part in parts])
-        room, furnishing, surface = labels[order].T
-        storeys = np.array([r.storey for r in self._scene.rooms] + [-1], dtype=np.int32)
-        return LabelledCloud(np.concatenate(positions)[order], storeys[room], room, furnishing, surface, scan[order])
+        for number, (members, start) in enumerate(zip(kept, [0, *ends[:-1]], strict=True)):
+            self._scans[number] = self._scans[number].some(members - start)
 
     def _voxels(self, positions: F64) -> NDArray[np.int64]:
         """``(K,)`` packed number of the voxel of each point, 21 bits an axis."""
