@@ -32,8 +32,9 @@ format: $(VENV)/.ready  ## format the code
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-docs: $(VENV)/.ready  ## write the generated pages anew
+docs: demo  ## write the generated pages anew, and the output shown in all pages
 	$(BIN)/python -m enfilade.schema.reference docs/graph.md
+	$(BIN)/python tools/console_blocks.py . README.md docs/*.md
 
 constraints:  ## renew constraints.txt from the newest versions that the bounds allow
 	python3 -m venv .constraints-venv

@@ -42,6 +42,7 @@ def demo_command(ctx: click.Context, folder: Path) -> None:
         "3. Two rooms of 10 to 20 m² joined by a door, one with stairs, the other holding something like this basin"
     )
     OUT.print(QUESTION, markup=False)
+    (folder / "question.cypher").write_text(QUESTION + "\n", encoding="utf-8")
     result = _ask(archive, basin)
     _heading("4. Pictures")
     _draw(archive, folder, basin, result)
