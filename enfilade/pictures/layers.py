@@ -124,7 +124,7 @@ def _draw_threshold(axes: Axes, scene: PlanScene, opening: PlannedOpening) -> No
     first, last = opening.ends
     away = depth * opening.across
     corners = np.array([first - away, last - away, last + away, first + away])
-    axes.add_patch(Polygon(corners, closed=True, facecolor=THRESHOLD, edgecolor="none", zorder=2.8))
+    axes.add_patch(Polygon(corners, closed=True, facecolor=THRESHOLD, edgecolor="none", zorder=0.8))
 
 
 def _draw_bar(axes: Axes, opening: PlannedOpening) -> None:

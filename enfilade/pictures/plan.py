@@ -41,6 +41,9 @@ _MOST_IN_PER_M: Final = 1.6
 _MARGIN_M: Final = 0.6
 _HEAD_IN: Final = 0.7
 _FOOT_IN: Final = 0.65
+_SCALE_IN: Final = 2.0
+_SAMPLE_IN: Final = 1.0
+"""Room for the scale bar, and for each sample of the legend; the legend has two lines where they do not fit in one."""
 _WIDTHS_PT_PER_M: Final = 24.0
 """From this scale on the widths of doors are written beside them."""
 
@@ -180,7 +183,7 @@ def _draw_foot(figure: Figure, axes: Axes, scene: PlanScene) -> None:
     figure.legend(
         handles=handles,
         loc="lower right",
-        ncols=len(handles),
+        ncols=min(len(handles), max(1, int((figure.get_figwidth() - _SCALE_IN) / _SAMPLE_IN))),
         frameon=False,
         fontsize=7,
         labelcolor=INK,
