@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from enfilade.ingest.openings.blind import BlindHole, find_blind_holes, open_blind
 from enfilade.ingest.openings.contacts import contact_sides
 from enfilade.ingest.openings.holes import Hole, find_holes
 from enfilade.ingest.openings.leads import group_holes, without_rivals
 from enfilade.ingest.openings.parameters import OpeningParameters
-from enfilade.ingest.openings.rays import Rays, rays_of, view_sides
+from enfilade.ingest.openings.rays import Viewer, rays_of
 from enfilade.ingest.openings.sight import Sight
 from enfilade.ingest.openings.slabs import floor_sides, open_slab
 from enfilade.ingest.openings.walls import open_walls
 from enfilade.ingest.records import Neighbour, Opening, Planes, Room, RoomLabels, Surfels, ThinnedCloud
-from enfilade.ingest.sides import Side, cut_by_room, join_patches
+from enfilade.ingest.sides import cut_by_room, join_patches
 
 
 def find_openings(
@@ -53,25 +51,22 @@ def find_openings(
     looked_at = sorted([*walls, *floor_sides(known)], key=lambda side: side.room)
     holes: list[Hole] = []
     blind: list[BlindHole] = []
-    for view in view_sides(rays, looked_at, surface_m=chosen.surface_m, front_m=chosen.front_m):
+    viewer = Viewer(rays, surface_m=chosen.surface_m, front_m=chosen.front_m)
+    for view in viewer.views(looked_at):
         holes.extend(find_holes(view, chosen))
         if view.side.vertical:
             blind.extend(find_blind_holes(view, known[view.side.room].floor_elevation, chosen))
     doors = group_holes([hole for hole in holes if hole.side.vertical], rays, known, chosen)
     openings = open_walls(doors, rays, known, neighbours, chosen)
     lines = contact_sides(surfels, labels, known, openings, chosen)
-    framed = [hole for hole in _holes(rays, lines, chosen) if hole.bounded[0] and hole.bounded[2]]
+    found = (hole for view in viewer.views(lines) for hole in find_holes(view, chosen))
+    framed = [hole for hole in found if hole.bounded[0] and hole.bounded[2]]
     passages = without_rivals(group_holes(framed, rays, known, chosen), doors, chosen.max_gap_m)
     openings += open_walls(passages, rays, known, neighbours, chosen)
     slabs = group_holes([hole for hole in holes if hole.side.horizontal], rays, known, chosen)
     openings += [stairs for group in slabs if (stairs := open_slab(group, rays, known, chosen)) is not None]
     openings += open_blind(blind, walls, known, openings, surfels, Sight(surfels, rays), chosen)
     return tuple(sorted(openings, key=_order))
-
-
-def _holes(rays: Rays, sides: list[Side], parameters: OpeningParameters) -> Iterator[Hole]:
-    for view in view_sides(rays, sides, surface_m=parameters.surface_m, front_m=parameters.front_m):
-        yield from find_holes(view, parameters)
 
 
 def _order(opening: Opening) -> tuple[int, int, tuple[float, ...]]:

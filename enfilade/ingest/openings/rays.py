@@ -12,6 +12,7 @@ from itertools import groupby
 from typing import Final
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from enfilade.ingest.records import F64, I32, Bool, RoomLabels, Surfels, ThinnedCloud
@@ -19,6 +20,11 @@ from enfilade.ingest.sides import Side
 
 CHUNK: Final = 400_000
 """Rays looked at together; keeps the working memory small."""
+
+LEAVES: Final = 1
+ENTERS: Final = 2
+ON: Final = 3
+BEFORE: Final = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,37 +98,39 @@ def rays_of(cloud: ThinnedCloud, surfels: Surfels, labels: RoomLabels) -> Rays:
     return Rays(cloud.positions, cloud.scanner_positions, cloud.scan, labels.scan_room[cloud.scan], to_room)
 
 
-def view_sides(rays: Rays, sides: list[Side], *, surface_m: float, front_m: float) -> Iterator[SideView]:
-    """Collect the crossings and the surface points of every side, room by room.
+class Viewer:
+    """Looks at sides: collects the rays that cross each, and the points that lie on it or stand before it.
 
     Parameters
     ----------
     rays
         All rays.
-    sides
-        Ordered by room.
     surface_m
         Points this close to a side lie on it; a ray crosses only if it goes on for more.
     front_m
         Points this close stand before it.
-
-    Yields
-    ------
-    One view a side, in the order given.
     """
-    by_start = _Groups(rays.from_room)
-    by_end = _Groups(rays.to_room)
-    for room, own in groupby(sides, key=lambda side: side.room):
-        measured, sent = by_end.of(room), by_start.of(room)
-        members = np.concatenate([measured, sent[rays.to_room[sent] != room]])
-        yield from _view_room(rays, members, list(own), room, (surface_m, front_m))
+
+    def __init__(self, rays: Rays, *, surface_m: float, front_m: float) -> None:
+        self._rays = rays
+        self._reach = (surface_m, front_m)
+        self._by_start = _Groups(rays.from_room)
+        self._by_end = _Groups(rays.to_room)
+
+    def views(self, sides: list[Side]) -> Iterator[SideView]:
+        """Yield one view a side; the sides must be ordered by room."""
+        for room, own in groupby(sides, key=lambda side: side.room):
+            measured, sent = self._by_end.of(room), self._by_start.of(room)
+            members = np.concatenate([measured, sent[self._rays.to_room[sent] != room]])
+            yield from _view_room(self._rays, members, list(own), room, self._reach)
 
 
 class _Groups:
-    """Indices by value, found with one sort."""
+    """Indices by value, found with one sort, which is linear in short integers."""
 
     def __init__(self, values: I32) -> None:
-        self._order = np.argsort(values, kind="stable").astype(np.int32)
+        fits = values.max(initial=0) < np.iinfo(np.int16).max
+        self._order = np.argsort(values.astype(np.int16) if fits else values, kind="stable").astype(np.int32)
         self._sorted = values[self._order]
 
     def of(self, value: int) -> I32:
@@ -133,25 +141,54 @@ class _Groups:
 def _view_room(
     rays: Rays, members: I32, sides: list[Side], room: int, reach: tuple[float, float]
 ) -> Iterator[SideView]:
-    """View all sides of a room; distances from the planes are taken for all of them in one product."""
-    surface_m, front_m = reach
+    """View all sides of a room."""
     normals = np.array([side.normal for side in sides], dtype=np.float32)
-    offsets = np.array([[side.offset] for side in sides], dtype=np.float32)
-    ahead_of_scanner = normals @ rays.start.T - offsets
+    offsets = np.array([side.offset for side in sides], dtype=np.float32)
+    ahead = rays.start @ normals.T - offsets
     parts: list[list[tuple[I32, F64, F64, F64, Bool, F64, F64]]] = [[] for _ in sides]
     for first in range(0, len(members), CHUNK):
         chunk = members[first : first + CHUNK]
-        depth = normals @ rays.end[chunk].T - offsets
-        ahead = ahead_of_scanner[:, rays.scan[chunk]]
-        leaves = (rays.from_room[chunk] == room) & (ahead > surface_m) & (depth < -surface_m)
-        enters = (rays.from_room[chunk] != room) & (ahead < -surface_m) & (depth > surface_m)
+        own = rays.from_room[chunk] == room
+        kind = _classify(rays.end[chunk], rays.scan[chunk], own, normals, offsets, ahead, *reach)
         for row, (part, side) in enumerate(zip(parts, sides, strict=True)):
-            on = chunk[np.abs(depth[row]) < surface_m]
-            front = chunk[(depth[row] >= surface_m) & (depth[row] < front_m)]
-            crossed = _cross(side, rays, chunk[leaves[row]], chunk[enters[row]])
-            part.append((*crossed, _along(side, rays, on), _along(side, rays, front)))
+            leaving, entering, on, before = (chunk[kind[row] == value] for value in (LEAVES, ENTERS, ON, BEFORE))
+            crossed = _cross(side, rays, leaving, entering)
+            part.append((*crossed, _along(side, rays, on), _along(side, rays, before)))
     for part, side in zip(parts, sides, strict=True):
         yield SideView(side, *(np.concatenate(columns) for columns in zip(*part, strict=True)))
+
+
+@njit(cache=True)
+def _classify(
+    end: NDArray[np.float32],
+    scan: I32,
+    own: Bool,
+    normals: NDArray[np.float32],
+    offsets: NDArray[np.float32],
+    ahead: NDArray[np.float32],
+    surface_m: float,
+    front_m: float,
+) -> NDArray[np.uint8]:
+    """Tell for each side (row) and ray (column) whether the ray leaves, enters, or ends on or right before the side.
+
+    `own` are the rays of scanners in the room, `ahead` the distances of all scanners (rows) from all sides (columns).
+    """
+    kind = np.zeros((len(offsets), len(end)), np.uint8)
+    for ray in range(len(end)):
+        x, y, z = end[ray]
+        for side in range(len(offsets)):
+            depth = normals[side, 0] * x + normals[side, 1] * y + normals[side, 2] * z - offsets[side]
+            start = ahead[scan[ray], side]
+            if abs(depth) < surface_m:
+                kind[side, ray] = ON
+            elif depth < 0.0:
+                if own[ray] and start > surface_m:
+                    kind[side, ray] = LEAVES
+            elif not own[ray] and start < -surface_m:
+                kind[side, ray] = ENTERS
+            elif depth < front_m:
+                kind[side, ray] = BEFORE
+    return kind
 
 
 def _cross(side: Side, rays: Rays, leaving: I32, entering: I32) -> tuple[I32, F64, F64, F64, Bool]:
