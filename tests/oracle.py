@@ -13,10 +13,11 @@ from itertools import combinations, permutations, product
 from typing import Any
 
 import networkx as nx
-from oracle_values import Values, compare, sort_key
+from oracle_symmetry import description, edges_kept, own, same, same_where
+from oracle_values import Values, compare
 
 from enfilade.queries.query_graph import EdgePattern, Equal, NodePattern, Pattern, QueryGraph
-from enfilade.queries.syntax import Call, Expression, PropertyOf, Subquery, Variable, children
+from enfilade.queries.syntax import Expression, PropertyOf, Subquery, Variable, children
 from enfilade.schema.graph import BuildingGraph, Node
 
 KINDS = {"DOOR": "door", "PASSAGE": "passage", "STAIRS": "stairs", "HATCH": "hatch", "WINDOW": "window"}
@@ -55,8 +56,7 @@ class Oracle:
         )
         if not query.keep_all:
             matches = self.without_overlap(matches)
-        rows = self.values.table(query, matches, lambda match: self.key(match, named_only=True))
-        return rows
+        return self.values.table(query, matches, lambda match: self.key(match, named_only=True))
 
     def matches_in(self, query: QueryGraph, graph: BuildingGraph) -> list[Found]:
         found = self.extensions(query.pattern, {"": graph.building})
@@ -73,14 +73,14 @@ class Oracle:
             new = {name: thing for name, thing in extended.items() if name not in match}
             if not taken & {id(thing) for thing in new.values()} and self.segments_once(extended):
                 found.append(extended)
-        names = [_own(clause, n.name) for n in clause.nodes] + [_own(clause, e.name) for e in clause.edges if not e.hops]
+        names = [own(clause, n.name) for n in clause.nodes] + [own(clause, e.name) for e in clause.edges if not e.hops]
         return found or [match | {name: None for name in names if name not in match}]
 
     # One pattern
 
     def extensions(self, pattern: Pattern, bound: Found) -> list[Found]:
         """Ways to find a pattern in the building of `bound`, its bound nodes where they are, its WHERE true."""
-        names = {_own(pattern, name) for name in _names(pattern)}
+        names = {own(pattern, name) for name in _names(pattern)}
         fixed = {name: bound[name] for name in names if name in bound}
         if any(thing is None for thing in fixed.values()):
             return []
@@ -97,18 +97,18 @@ class Oracle:
         for name, thing in fixed.items():
             wanted.add_node(name, test=lambda other, thing=thing: other is thing)
         for node in pattern.nodes:
-            name = _own(pattern, node.name)
+            name = own(pattern, node.name)
             wanted.add_node(name, test=lambda thing, node=node: self.fits(node, thing, fixed, pattern))
         for edge, way in zip(pattern.edges, reading, strict=True):
             _add_edge(wanted, pattern, edge, way, self)
         whole = self.wholes[building]
         search = nx.isomorphism.DiGraphMatcher(whole, wanted, node_match=lambda a, b: b["test"](a["thing"]))
-        keep = {_own(pattern, n.name) for n in pattern.nodes} | {_own(pattern, e.name) for e in pattern.edges}
+        keep = {own(pattern, n.name) for n in pattern.nodes} | {own(pattern, e.name) for e in pattern.edges}
         for mapping in search.subgraph_monomorphisms_iter():
             yield {b: whole.nodes[a]["thing"] for a, b in mapping.items() if b in keep}
 
     def fits(self, node: NodePattern, thing: Any, fixed: Found, pattern: Pattern) -> bool:
-        name = _own(pattern, node.name)
+        name = own(pattern, node.name)
         if name in fixed:
             if thing is not fixed[name]:
                 return False
@@ -125,7 +125,7 @@ class Oracle:
     def holds(self, pattern: Pattern, reading: Any, match: Found) -> bool:
         """What VF2 does not look at: arrows of stairs, paths, segments."""
         for edge in pattern.edges:
-            left, right = (match[_own(pattern, name)] for name in (edge.left, edge.right))
+            left, right = (match[own(pattern, name)] for name in (edge.left, edge.right))
             if edge.direction != "-" and edge.types[0] in KINDS:
                 low, high = (left, right) if edge.direction == ">" else (right, left)
                 floors = (low.properties.get("floor_elevation"), high.properties.get("floor_elevation"))
@@ -133,7 +133,7 @@ class Oracle:
                     return False
             if edge.hops and not self.is_path(edge, left, right, match[""]):
                 return False
-        names = {_own(pattern, name) for name in _names(pattern)}
+        names = {own(pattern, name) for name in _names(pattern)}
         return self.segments_once({name: thing for name, thing in match.items() if name in names})
 
     def segments_once(self, match: Found) -> bool:
@@ -178,12 +178,12 @@ class Oracle:
         if subquery.kind == "exists":
             return bool(found)
         pattern = subquery.pattern
-        own = [_own(pattern, n.name) for n in pattern.nodes] + [_own(pattern, e.name) for e in pattern.edges]
-        free = [name for name in own if name not in match]
-        turns = self.symmetries([pattern], free, lambda names: _same_where(pattern.where, pattern.where, names))
+        names = [own(pattern, n.name) for n in pattern.nodes] + [own(pattern, e.name) for e in pattern.edges]
+        free = [name for name in names if name not in match]
+        turns = self.symmetries([pattern], free, lambda names: same_where(pattern.where, pattern.where, names))
         order = _order([pattern])
         kept = [m for m in found if all(_key(m, order, {}) <= _key(m, order, turn) for turn in turns)]
-        likened = {_own(pattern, n.name): n.likeness for n in pattern.nodes if n.likeness}
+        likened = {own(pattern, n.name): n.likeness for n in pattern.nodes if n.likeness}
         ranked = sorted(kept, key=lambda m: (-self.values.score(m, likened)[0], _key(m, order, {})))
         return len(_best(ranked, likened, order, turns)) if likened else len(ranked)
 
@@ -191,33 +191,37 @@ class Oracle:
 
     def likened(self) -> dict[str, Any]:
         patterns = (self.query.pattern, *self.query.optional)
-        return {_own(p, n.name): n.likeness for p in patterns for n in p.nodes if n.likeness is not None}
+        return {own(p, n.name): n.likeness for p in patterns for n in p.nodes if n.likeness is not None}
 
     def question_symmetries(self) -> list[dict[str, str]]:
         query = self.query
         patterns = [query.pattern, *query.optional]
         names = _order(patterns)
 
-        def same(turn: dict[str, str]) -> bool:
+        def unchanged(turn: dict[str, str]) -> bool:
             columns = [column.expression for column in query.columns]
             return (
-                all(_same_where(p.where, p.where, turn) for p in patterns)
-                and all(any(_same(a, b, turn) for b in columns) for a in columns)
-                and all(_same(key.expression, key.expression, turn) for key in query.order)
+                all(same_where(p.where, p.where, turn) for p in patterns)
+                and all(any(same(a, b, turn) for b in columns) for a in columns)
+                and all(same(key.expression, key.expression, turn) for key in query.order)
             )
 
-        return self.symmetries(patterns, names, same)
+        return self.symmetries(patterns, names, unchanged)
 
-    def symmetries(self, patterns: list[Pattern], free: list[str], same: Any) -> list[dict[str, str]]:
-        """All renamings of `free` that leave the patterns the same, and of which `same` says that they do."""
-        described = {name: _description(patterns, name) for name in free}
+    def symmetries(self, patterns: list[Pattern], free: list[str], unchanged: Any) -> list[dict[str, str]]:
+        """All renamings of `free` that leave the patterns the same, and of which `unchanged` says that they do."""
+        described = {name: description(patterns, name) for name in free}
         groups: dict[str, list[str]] = {}
         for name in free:
             groups.setdefault(described[name], []).append(name)
         found = []
         for images in product(*(permutations(group) for group in groups.values())):
-            turn = {a: b for group, image in zip(groups.values(), images, strict=True) for a, b in zip(group, image)}
-            if all(_edges_kept(pattern, turn) for pattern in patterns) and same(turn):
+            turn = {
+                a: b
+                for group, image in zip(groups.values(), images, strict=True)
+                for a, b in zip(group, image, strict=True)
+            }
+            if all(edges_kept(pattern, turn) for pattern in patterns) and unchanged(turn):
                 found.append(turn)
         return found
 
@@ -293,7 +297,7 @@ def _readings(edge: EdgePattern) -> list[tuple[str, frozenset[str], bool]]:
 
 def _add_edge(wanted: nx.DiGraph, pattern: Pattern, edge: EdgePattern, way: Any, oracle: Oracle) -> None:
     form, types, back = way
-    left, right, name = (_own(pattern, part) for part in (edge.left, edge.right, edge.name))
+    left, right, name = (own(pattern, part) for part in (edge.left, edge.right, edge.name))
     if form == "path":
         return
     if form == "stored":
@@ -321,11 +325,6 @@ def _add_edge(wanted: nx.DiGraph, pattern: Pattern, edge: EdgePattern, way: Any,
         wanted.add_edge(f"{name} {side}", name)
 
 
-def _own(pattern: Pattern, name: str) -> str:
-    """What has no name is a thing of its own pattern only."""
-    return f"{name} {id(pattern)}" if name.startswith("#") else name
-
-
 def _names(pattern: Pattern) -> set[str]:
     """Names that a pattern mentions anywhere; those without a name are among its own nodes."""
     names = {node.name for node in pattern.nodes} | {edge.name for edge in pattern.edges if edge.named}
@@ -346,10 +345,10 @@ def _mentioned(expression: Expression) -> Iterator[str]:
 def _combining(pattern: Pattern) -> Iterator[str]:
     for node in pattern.nodes:
         if node.likeness or any(entry.property in ("parts", "id", "segments") for entry in node.constraints):
-            yield _own(pattern, node.name)
+            yield own(pattern, node.name)
     for edge in pattern.edges:
         if "PART_OF" in edge.types:
-            yield from (_own(pattern, edge.left), _own(pattern, edge.right))
+            yield from (own(pattern, edge.left), own(pattern, edge.right))
     if pattern.where is not None:
         yield from _combining_in(pattern.where)
 
@@ -368,7 +367,7 @@ def _part_of_pairs(query: QueryGraph) -> Iterator[tuple[str, str]]:
     while todo:
         thing = todo.pop()
         if isinstance(thing, Pattern):
-            yield from ((_own(thing, e.left), _own(thing, e.right)) for e in thing.edges if "PART_OF" in e.types)
+            yield from ((own(thing, e.left), own(thing, e.right)) for e in thing.edges if "PART_OF" in e.types)
             todo += [] if thing.where is None else [thing.where]
         else:
             todo += [thing.pattern] if isinstance(thing, Subquery) else list(children(thing))
@@ -381,11 +380,11 @@ def _order(patterns: list[Pattern]) -> list[str]:
         nodes = [node.name for node in pattern.nodes]
         for edge in pattern.edges:
             upto = nodes.index(edge.left) + 1
-            order += [_own(pattern, name) for name in nodes[:upto]]
+            order += [own(pattern, name) for name in nodes[:upto]]
             order += [edge.name] if edge.named else []
-            order += [_own(pattern, name) for name in nodes[: nodes.index(edge.right) + 1]]
-        order += [_own(pattern, name) for name in nodes]
-        order += [_own(pattern, edge.name) for edge in pattern.edges if not edge.hops]
+            order += [own(pattern, name) for name in nodes[: nodes.index(edge.right) + 1]]
+        order += [own(pattern, name) for name in nodes]
+        order += [own(pattern, edge.name) for edge in pattern.edges if not edge.hops]
     return list(dict.fromkeys(order))
 
 
@@ -421,130 +420,3 @@ def _overlap(a: Found, b: Found, likened: dict[str, Any], order: list[str], turn
 
 def _node_only(thing: Any) -> Any:
     return thing if isinstance(thing, Node) else None
-
-
-def _description(patterns: list[Pattern], name: str) -> str:
-    """What must be the same of two nodes or edges for one to take the place of the other."""
-    said = []
-    for number, pattern in enumerate(patterns):
-        for node in pattern.nodes:
-            if _own(pattern, node.name) == name:
-                at = [] if node.likeness is None else [node.likeness.reference, node.likeness.within, node.likeness.at]
-                said.append(f"{number} {node.label} {sorted(map(repr, node.constraints))} {at}")
-        for edge in pattern.edges:
-            if _own(pattern, edge.name) == name:
-                said.append(f"{number} {sorted(edge.types)} {sorted(map(repr, edge.constraints))} {edge.hops}")
-    return str(said)
-
-
-def _edges_kept(pattern: Pattern, turn: dict[str, str]) -> bool:
-    by_name = {_own(pattern, edge.name): edge for edge in pattern.edges}
-    for name, edge in by_name.items():
-        image = by_name.get(turn.get(name, name))
-        if image is None:
-            return False
-        ends = [turn.get(_own(pattern, end), _own(pattern, end)) for end in (edge.left, edge.right)]
-        there = [_own(pattern, end) for end in (image.left, image.right)]
-        if edge.direction == "<":
-            ends.reverse()
-        if image.direction == "<":
-            there.reverse()
-        if (edge.direction == "-") != (image.direction == "-"):
-            return False
-        if ends != there and not (edge.direction == "-" and ends[::-1] == there):
-            return False
-    return True
-
-
-def _same_where(a: Expression | None, b: Expression | None, turn: dict[str, str]) -> bool:
-    if a is None or b is None:
-        return a is b
-    return _alike_lists(_flat(a, "AND"), _flat(b, "AND"), turn)
-
-
-def _flat(expression: Expression, operator: str) -> list[Expression]:
-    if getattr(expression, "operator", None) == operator:
-        return [part for child in children(expression) for part in _flat(child, operator)]
-    return [expression]
-
-
-def _alike_lists(a: list[Expression], b: list[Expression], turn: dict[str, str]) -> bool:
-    """Whether each of one list has one like it in the other, and the other way round."""
-    return all(any(_same(x, y, turn) for y in b) for x in a) and all(any(_same(x, y, turn) for x in a) for y in b)
-
-
-def _same(a: Expression, b: Expression, turn: dict[str, str]) -> bool:
-    """Whether `a`, its names turned, says what `b` says."""
-    operator = getattr(a, "operator", None)
-    if operator in ("<", "<=", ">", ">=") and getattr(b, "operator", None) == {"<": ">", "<=": ">="}.get(
-        operator, operator.replace(">", "<")
-    ):
-        return _same(a.left, b.right, turn) and _same(a.right, b.left, turn)
-    if type(a) is not type(b) or operator != getattr(b, "operator", None):
-        return False
-    if operator in ("AND", "OR", "+", "*"):
-        return _alike_in_number(_flat(a, operator), _flat(b, operator), turn)
-    if operator in ("=", "<>") and _same(a.left, b.right, turn) and _same(a.right, b.left, turn):
-        return True
-    if isinstance(a, Variable):
-        return turn.get(a.name, a.name) == b.name
-    if isinstance(a, PropertyOf):
-        return (turn.get(a.variable, a.variable), a.name) == (b.variable, b.name)
-    if isinstance(a, Subquery):
-        return a.kind == b.kind and _same_pattern(a.pattern, b.pattern, turn)
-    if isinstance(a, Call) and (a.function, a.distinct) != (b.function, b.distinct):
-        return False
-    below, other = list(children(a)), list(children(b))
-    if not below and not other:
-        return a == b
-    details = {k: v for k, v in vars(a).items() if isinstance(v, bool)} == {
-        k: v for k, v in vars(b).items() if isinstance(v, bool)
-    }
-    return details and len(below) == len(other) and all(_same(x, y, turn) for x, y in zip(below, other, strict=True))
-
-
-def _alike_in_number(a: list[Expression], b: list[Expression], turn: dict[str, str]) -> bool:
-    return len(a) == len(b) and any(all(_same(x, y, turn) for x, y in zip(a, p, strict=True)) for p in permutations(b))
-
-
-def _same_pattern(a: Pattern, b: Pattern, turn: dict[str, str]) -> bool:
-    """Whether two inner patterns are the same up to the names of their own nodes."""
-    own_a = [n.name for n in a.nodes if n.name not in turn] + [e.name for e in a.edges]
-    own_b = [n.name for n in b.nodes if n.name not in turn.values()] + [e.name for e in b.edges]
-    if len(own_a) != len(own_b):
-        return False
-    described = [_description([a], _own(a, name)) for name in own_a]
-    for image in permutations(own_b):
-        if [_description([b], _own(b, name)) for name in image] != described:
-            continue
-        names = turn | {_own(a, x): _own(b, y) for x, y in zip(own_a, image, strict=True)}
-        plain = turn | dict(zip(own_a, image, strict=True))
-        if _edges_match(a, b, names) and _outer_match(a, b, turn) and _same_where(a.where, b.where, plain):
-            return True
-    return False
-
-
-def _outer_match(a: Pattern, b: Pattern, turn: dict[str, str]) -> bool:
-    said_a = {turn[n.name]: _description([a], n.name) for n in a.nodes if n.name in turn}
-    return said_a == {n.name: _description([b], n.name) for n in b.nodes if n.name in turn.values()}
-
-
-def _edges_match(a: Pattern, b: Pattern, names: dict[str, str]) -> bool:
-    there = {_own(b, e.name): e for e in b.edges}
-    for edge in a.edges:
-        image = there[names[_own(a, edge.name)]]
-        ends = [names.get(_own(a, end), end) for end in (edge.left, edge.right)]
-        other = [_own(b, end) for end in (image.left, image.right)]
-        if edge.direction == "<":
-            ends.reverse()
-        if image.direction == "<":
-            other.reverse()
-        undirected = edge.direction == image.direction == "-"
-        if (edge.direction == "-") != (image.direction == "-"):
-            return False
-        if ends != other and not (undirected and ends[::-1] == other):
-            return False
-    return True
-
-
-__all__ = ["Oracle", "sort_key"]

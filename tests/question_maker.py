@@ -13,7 +13,13 @@ from enfilade.schema.graph import BuildingGraph
 SHAPE = (1, 2, 4)
 NAMES = ("Hall", "Küche", "hall", "Bad", "𐐷 room", "\uff5e end", "it's")
 KINDS = ("door", "door", "door", "passage", "stairs", "hatch", "window")
-PROTOTYPES = ([4, 2, 0, 0, 2, 0, 0, 0], [0, 0, 0, 0, 1, 1, 0, 0], [1] * 8, [1, 0, 0, 1, 0, 0, 0, 0], [3, 1, 0, 0, 2, 2, 0, 0])
+PROTOTYPES = (
+    [4, 2, 0, 0, 2, 0, 0, 0],
+    [0, 0, 0, 0, 1, 1, 0, 0],
+    [1] * 8,
+    [1, 0, 0, 1, 0, 0, 0, 0],
+    [3, 1, 0, 0, 2, 2, 0, 0],
+)
 
 
 def random_building(rng: random.Random, name: str) -> BuildingGraph:
@@ -32,10 +38,12 @@ def random_building(rng: random.Random, name: str) -> BuildingGraph:
     _add_openings(rng, graph, rooms)
     for a, b in combinations(rooms, 2):
         if rng.random() < 0.4:
-            graph.add_edge(*_turned(rng, a, "NEIGHBOUR", b), gap=rng.choice((0.1, 0.25, None)), area=rng.choice((2.0, 6.0)))
+            graph.add_edge(
+                *_turned(rng, a, "NEIGHBOUR", b), gap=rng.choice((0.1, 0.25, None)), area=rng.choice((2.0, 6.0))
+            )
     numbers = iter(rng.sample(range(20), 20))
-    for room in rooms:
-        _add_objects(rng, graph, room, [next(numbers) for _ in range(rng.choice((0, 1, 1, 2, 3)))])
+    for room, count in zip(rooms, [1, *(rng.choice((0, 1, 1, 2, 3)) for _ in rooms[1:])], strict=True):
+        _add_objects(rng, graph, room, [next(numbers) for _ in range(count)])
     return graph
 
 
@@ -138,7 +146,9 @@ class QuestionMaker:
     # Patterns
 
     def new(self, label: str) -> str:
-        name = {"Room": "r", "Object": "o", "Storey": "s", "Opening": "w", "Building": "b"}[label] + str(len(self.labels))
+        name = {"Room": "r", "Object": "o", "Storey": "s", "Opening": "w", "Building": "b"}[label] + str(
+            len(self.labels)
+        )
         self.labels[name] = label
         return name
 
@@ -180,14 +190,15 @@ class QuestionMaker:
                 name, text = self.node("Room", named=1)
             else:
                 name, text = self.node("Room")
-                text = f"({start}){self.room_edge()}{text}" if rng.random() < 0.7 else f"{text}{self.room_edge()}({start})"
+                text = (
+                    f"({start}){self.room_edge()}{text}" if rng.random() < 0.7 else f"{text}{self.room_edge()}({start})"
+                )
             parts.append(text)
             names += [name] if name else []
         if len(names) > 1 and rng.random() < 0.35:
             a, b = rng.sample(names, 2)
             parts.append(f"({a}){self.room_edge()}({b})")
-        for _ in range(rng.choice((0, 0, 1, 1, 2))):
-            parts.append(self.attachment(rng.choice(names)))
+        parts += [self.attachment(rng.choice(names)) for _ in range(rng.choice((0, 0, 1, 1, 2)))]
         return ", ".join(parts)
 
     def room_edge(self) -> str:
@@ -198,7 +209,9 @@ class QuestionMaker:
         if rng.random() < 0.12:
             return rng.choice(("-[:STAIRS]->", "<-[:STAIRS]-", "-[:HATCH|STAIRS]->"))
         types = rng.choice(
-            ("DOOR",) * 5 + ("NEIGHBOUR",) * 2 + ("PASSAGE", "STAIRS", "OPENING", "DOOR|PASSAGE", "WINDOW", "DOOR|NEIGHBOUR")
+            ("DOOR",) * 5
+            + ("NEIGHBOUR",) * 2
+            + ("PASSAGE", "STAIRS", "OPENING", "DOOR|PASSAGE", "WINDOW", "DOOR|NEIGHBOUR")
         )
         mixed = types == "DOOR|NEIGHBOUR"
         name = ""
@@ -221,7 +234,9 @@ class QuestionMaker:
             if rng.random() < 0.3:
                 name = next((n for n, label in self.labels.items() if label == "Object"), None)
                 if name is not None:
-                    edge = rng.choice(("-[:PART_OF]->", "-[:PART_OF]-", "-[:NEAR]-", "<-[:PART_OF]-", "-[:NEAR|PART_OF]-"))
+                    edge = rng.choice(
+                        ("-[:PART_OF]->", "-[:PART_OF]-", "-[:NEAR]-", "<-[:PART_OF]-", "-[:NEAR|PART_OF]-")
+                    )
                     text += f", ({name}){edge}{self.node('Object', like=False)[1]}"
             return text
         if choice < 0.75:
@@ -276,7 +291,10 @@ class QuestionMaker:
         text = self.text()
         if text:
             forms += [f"{text} {sign} 'Hall'", f"{text} STARTS WITH '{rng.choice(('H', 'h', '', 'b'))}'"]
-            forms += [f"{text} CONTAINS '{rng.choice(('l', 'r0', '+', ''))}'", f"{text} ENDS WITH '{rng.choice(('l', '1', ''))}'"]
+            forms += [
+                f"{text} CONTAINS '{rng.choice(('l', 'r0', '+', ''))}'",
+                f"{text} ENDS WITH '{rng.choice(('l', '1', ''))}'",
+            ]
         rooms = [name for name, label in self.labels.items() if label == "Room"]
         objects = [name for name, label in self.labels.items() if label == "Object"]
         if rooms:
@@ -325,7 +343,11 @@ class QuestionMaker:
             text = f"{start}-[:CONTAINS]->({inner_object}:Object{like})"
         else:
             del self.labels[inner_room], self.labels[inner_object]
-            text = f"{start}{self.room_edge()}({rng.choice(rooms)})" if rng.random() < 0.6 else f"{start}-[:DOOR]-(:Room)-[:DOOR]-(:Room)"
+            text = (
+                f"{start}{self.room_edge()}({rng.choice(rooms)})"
+                if rng.random() < 0.6
+                else f"{start}-[:DOOR]-(:Room)-[:DOOR]-(:Room)"
+            )
         if rng.random() < 0.35:
             text += f" WHERE {self.condition(max(0, depth - 1)) if rng.random() < 0.6 else self.comparison()}"
         self.labels, self.edges, self.likes = kept
@@ -338,7 +360,9 @@ class QuestionMaker:
     def returning(self) -> str:
         rng = self.rng
         names = list(self.labels)
-        values = [*names, *names, *(self.number() for _ in range(2)), "score"] if self._countable() else [*names, "score"]
+        values = (
+            [*names, *names, *(self.number() for _ in range(2)), "score"] if self._countable() else [*names, "score"]
+        )
         if rng.random() < 0.25:
             return self.grouped(values)
         columns = list(dict.fromkeys(rng.sample(values, rng.randint(1, min(4, len(values))))))
@@ -346,7 +370,9 @@ class QuestionMaker:
         text = f"RETURN {word}{', '.join(columns)}"
         if rng.random() < 0.35:
             keys = columns if word == "DISTINCT " else values
-            chosen = [f"{key}{rng.choice(('', ' DESC'))}" for key in rng.sample(keys, min(len(keys), rng.randint(1, 2)))]
+            chosen = [
+                f"{key}{rng.choice(('', ' DESC'))}" for key in rng.sample(keys, min(len(keys), rng.randint(1, 2)))
+            ]
             text += f" ORDER BY {', '.join(chosen)}"
         if rng.random() < 0.15:
             text += f" SKIP {rng.choice((0, 1, 3))}"

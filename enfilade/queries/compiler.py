@@ -92,7 +92,7 @@ class Compiled:
 
 
 _PLAIN_ALIAS: Final = re.compile(r"[a-z][a-z0-9]*")
-_RESERVED: Final = re.compile(r"[nepxy]\d*|any|case|coalesce|count|elementid|exists|match|null|size|table|true|false")
+_RESERVED: Final = re.compile(r"[nex]\d+|x|y|any|case|coalesce|count|elementid|exists|match|null|size|table|true|false")
 """Names that the compilers make up themselves, and words that could be read otherwise."""
 
 

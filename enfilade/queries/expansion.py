@@ -35,7 +35,10 @@ class Point:
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A stored edge to be found, from `source` to `target`, or also the other way if `either`."""
+    """A stored edge to be found, from `source` to `target`, or also the other way if `either`.
+
+    `hidden` edges join a room to the opening behind ``-[:DOOR]-``; nothing is asked of them.
+    """
 
     name: str
     type: str
@@ -43,6 +46,7 @@ class Link:
     target: str
     either: bool = False
     constraints: tuple[Constraint, ...] = ()
+    hidden: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,7 +215,7 @@ class _Spelling:
         if kinds is not None:
             self._kinds[edge.name] = kinds
         for side, room in (("left", edge.left), ("right", edge.right)):
-            self._links.append(Link(f"{edge.name} {side}", "OPENS", room, edge.name))
+            self._links.append(Link(f"{edge.name} {side}", "OPENS", room, edge.name, hidden=True))
         if edge.direction != "-":
             self._climbs.append((edge.left, edge.right) if edge.direction == ">" else (edge.right, edge.left))
 
@@ -232,9 +236,9 @@ class _Spelling:
                 yield a.name, b.name
 
     def _together(self, points: Sequence[Point]) -> Iterator[tuple[str, str]]:
-        """Tie the parts of a pattern that no edge joins."""
+        """Tie the parts of a pattern that no edge joins; a path does not lead a store to its other end."""
         part = {point.name: point.name for point in points}
-        ties = [*((link.source, link.target) for link in self._links), *((r.left, r.right) for r in self._routes)]
+        ties = [(link.source, link.target) for link in self._links]
         given = [point.name for point in points if point.given]
         for a, b in (*ties, *pairwise(given)):
             old, new = part[b], part[a]

@@ -16,7 +16,7 @@ from enfilade.stores import Store
 
 QUESTIONS_A_SEED = 20
 SQLITE_SEEDS = int(os.environ.get("ENFILADE_FUZZ_SEEDS", "25"))
-NEO4J_SEEDS = int(os.environ.get("ENFILADE_FUZZ_NEO4J_SEEDS", "10"))
+NEO4J_SEEDS = int(os.environ.get("ENFILADE_FUZZ_NEO4J_SEEDS", "6"))
 
 
 @pytest.mark.parametrize("seed", range(SQLITE_SEEDS))

@@ -128,7 +128,10 @@ class Matcher:
 
     def _columns(self, expansion: Expansion) -> tuple[Wanted, ...]:
         columns = []
-        for element in [*(point.name for point in expansion.points), *(link.name for link in expansion.links)]:
+        for element in [
+            *(point.name for point in expansion.points),
+            *(link.name for link in expansion.links if not link.hidden),
+        ]:
             extra = sorted(self._needed.get(element, set()) - {"id"})
             columns += [Wanted(element, name) for name in ("id", *extra)]
         return tuple(columns)
