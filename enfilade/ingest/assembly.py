@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -121,7 +122,7 @@ def _add_storeys(
             area=sum(room.area for room in inside),
         )
         graph.add_edge(graph.building, "HAS_STOREY", id)
-    for lower, upper in zip(storeys, storeys[1:], strict=False):
+    for lower, upper in pairwise(storeys):
         graph.add_edge(_id(graph, "s", lower.index), "BELOW", _id(graph, "s", upper.index))
 
 

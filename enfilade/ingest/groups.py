@@ -123,7 +123,7 @@ def _clearance(structure: Structure, scanners: F32, sign: float) -> F32:
 
 
 def _overridden(group: I64, rooms: Mapping[int, str], scanners: F32) -> I64:
-    """Groups with the listed scans where the table says, and the others after the nearest listed of their group."""
+    """Put listed scans where the table says, and each other after the nearest listed scan of its group."""
     if not rooms:
         return group
     listed = np.array(sorted(rooms))
@@ -141,7 +141,7 @@ def _overridden(group: I64, rooms: Mapping[int, str], scanners: F32) -> I64:
 
 
 def _numbered(group: I64, scanners: F64, storey_gap_m: float) -> I32:
-    """Number groups by level, then x, then y of their scanners' mean, whatever the order of the scans."""
+    """Give groups numbers by level, then x, then y of their scanners' mean, whatever the order of the scans."""
     _, group = np.unique(group, return_inverse=True)
     size = np.bincount(group)
     mean = np.stack([np.bincount(group, scanners[:, axis]) / size for axis in range(3)], axis=1)

@@ -1,4 +1,4 @@
-"""What was seen outside, through a window, is of no room."""
+"""Labels that agree with the plans: what lies in another room's plan is that room's, what lies in none is outside."""
 
 from __future__ import annotations
 
@@ -7,34 +7,76 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
-from .records import Plan, RoomLabels, Surfels
+from .records import F32, F64, I32, Bool, Plan, RoomLabels, Surfels
+
+I64 = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
 class InsideParameters:
-    """What is outside.
+    """What agrees with a plan.
 
     Attributes
     ----------
+    face_m
+        Surfels this close to the plan of their room are of the room.
     reveal_m
-        Surfels farther outside their room's plan than this, deeper than any reveal, are of no room.
+        Surfels in no plan, and farther than this from their room's, deeper than any reveal, are outside.
+    height_m
+        How far a room reaches below its floor and above its ceiling.
     """
 
+    face_m: float = 0.10
     reveal_m: float = 0.5
+    height_m: float = 0.3
 
 
 def keep_inside(
     surfels: Surfels, labels: RoomLabels, plans: Sequence[Plan], parameters: InsideParameters = InsideParameters()
 ) -> RoomLabels:
-    """Take the surfels out of the rooms that lie outside their room's plan."""
-    order = np.argsort(labels.after, kind="stable")
-    ends = np.cumsum(np.bincount(labels.after + 1, minlength=labels.room_count + 1))
+    """Give surfels that lie outside their room's plan to the room that they lie in, or to none.
+
+    Diffusion tells rooms well near the ceiling, from where plans are drawn, and less well on floors near wide doors.
+    What was seen outside through a window lies in no plan.
+    """
+    outlines = np.array([shapely.Polygon(plan.outline[0]) for plan in plans])
+    xy = surfels.positions[:, :2].astype(np.float64)
+    astray = ~_near_own(xy, labels.after, outlines, parameters.face_m)
+    astray &= labels.after >= 0
+    suspects = np.flatnonzero(astray)
     after = labels.after.copy()
-    for number, plan in enumerate(plans):
-        members = order[ends[number] : ends[number + 1]]
-        reach = shapely.Polygon(plan.outline[0]).buffer(parameters.reveal_m, join_style="mitre")
-        shapely.prepare(reach)
-        inside = shapely.contains_xy(reach, *surfels.positions[members, :2].astype(np.float64).T)
-        after[members[~inside]] = -1
+    near = _near_own(xy[suspects], labels.after[suspects], outlines, parameters.reveal_m)
+    after[suspects[~near]] = -1
+    suspect, room = _containing(surfels.positions[suspects], outlines, plans, parameters.height_m)
+    after[suspects[suspect]] = room
     return replace(labels, after=after)
+
+
+def _near_own(xy: F64, room: I32, outlines: NDArray[np.object_], reach_m: float) -> Bool:
+    """``(n,)``: whether positions lie within `reach_m` of their own room's outline, or in it."""
+    near = np.zeros(len(xy), bool)
+    order = np.argsort(room, kind="stable")
+    ends = np.cumsum(np.bincount(room + 1, minlength=len(outlines) + 1))
+    for number, reach in enumerate(shapely.buffer(outlines, reach_m, join_style="mitre")):
+        members = order[ends[number] : ends[number + 1]]
+        shapely.prepare(reach)
+        near[members] = shapely.contains_xy(reach, xy[members, 0], xy[members, 1])
+    return near
+
+
+def _containing(
+    positions: F32, outlines: NDArray[np.object_], plans: Sequence[Plan], height_m: float
+) -> tuple[I64, I64]:
+    """Return positions and the room whose plan holds each, as index arrays; the highest floor first where several do."""
+    tree = shapely.STRtree(outlines)
+    position, room = tree.query(shapely.points(positions[:, :2].astype(np.float64)), predicate="within")
+    floors = np.array([plan.floor_elevation for plan in plans])
+    ceilings = np.array([np.inf if plan.ceiling_elevation is None else plan.ceiling_elevation for plan in plans])
+    z = positions[position, 2]
+    fits = (z > floors[room] - height_m) & (z < ceilings[room] + height_m)
+    position, room = position[fits], room[fits]
+    best = np.lexsort((room, -floors[room], position))
+    first = best[np.unique(position[best], return_index=True)[1]]
+    return position[first], room[first]

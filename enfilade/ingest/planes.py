@@ -200,7 +200,8 @@ def _refit(moments: F64, side: F64, normal: F64) -> float:
     fit_plane(moments, normal)
     if normal[0] * side[0] + normal[1] * side[1] + normal[2] * side[2] < 0.0:
         normal[:] = -normal
-    return (normal[0] * moments[1] + normal[1] * moments[2] + normal[2] * moments[3]) / moments[0]
+    total = normal[0] * moments[1] + normal[1] * moments[2] + normal[2] * moments[3]
+    return float(total / moments[0])
 
 
 @njit(cache=True)

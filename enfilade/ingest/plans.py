@@ -83,7 +83,7 @@ def _plan(parts: _Parts, planes: Planes, scanners: F32, parameters: RoomPlanPara
 
 def _on(kind: Bool, plane: I32) -> Bool:
     """Where `plane` is one of a kind."""
-    return (plane >= 0) & np.append(kind, False)[plane]
+    return np.asarray((plane >= 0) & np.append(kind, False)[plane])
 
 
 def _floor(planes: Planes, parts: _Parts, scanners: F32) -> int:

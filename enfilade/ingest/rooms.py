@@ -235,7 +235,7 @@ def _hemisphere(count: int) -> F64:
 
 
 def _spun(fan: F64, node: I32) -> F32:
-    """The fan turned about the normal and shifted in height by a low-discrepancy amount a node: ``(n count, 3)``."""
+    """Turn the fan about the normal and shift it in height, by a low-discrepancy amount a node: ``(n count, 3)``."""
     count = len(fan)
     azimuth = fan[None, :, 0] + 2.0 * np.pi * (_GOLDEN * node[:, None] % 1.0)
     shift = (node[:, None] * np.sqrt(2.0)) % 1.0 - 0.5

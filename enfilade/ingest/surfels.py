@@ -46,7 +46,7 @@ def make_surfels(cloud: ThinnedCloud, parameters: SurfelParameters = SurfelParam
     order = np.argsort(key, kind="stable")
     starts = np.flatnonzero(np.diff(key[order], prepend=-1))
     view_key = key[order[starts]]
-    low = grid.lowest * grid.cell_m
+    low = np.asarray(grid.lowest * grid.cell_m, np.float64)
     moments = np.add.reduceat(moments_of(cloud.positions[order].astype(np.float64) - low), starts, axis=0)
     view_scan = (view_key // grid.size).astype(np.int32)
     towards = cloud.scanner_positions[view_scan].astype(np.float64) - low
@@ -95,7 +95,7 @@ def _fit_neighbourhoods(
 
 
 def _join_views(cell: I64, count: F64, normals: F64) -> I32:
-    """Number the surfels: which one each (scan, cell) view belongs to, -1 for none; in order of cells.
+    """Return which surfel each (scan, cell) view belongs to, -1 for none; in order of cells.
 
     The view with most points leads; views of the cell that look at it from the other side make a second surfel.
     Views without a normal go with the leader.
@@ -106,10 +106,11 @@ def _join_views(cell: I64, count: F64, normals: F64) -> I32:
     leader = np.repeat(order[first], np.diff(first, append=len(order)))
     opposed = np.einsum("ij,ij->i", normals[order], normals[leader]) < 0.0
     side = 2 * cell[order] + opposed
-    numbered = np.where(has_normal[leader], side, -1)
+    side[~has_normal[leader]] = -1
+    names, number = np.unique(side, return_inverse=True)
     surfel = np.empty(len(cell), np.int32)
-    names, surfel[order] = np.unique(numbered, return_inverse=True)
-    return surfel - np.int32(len(names) > 0 and names[0] == -1)
+    surfel[order] = number - int(names[0] == -1)
+    return surfel
 
 
 def _gather(view_surfel: I32, view_scan: I32, moments: F64, normals: F64, low: F64, point_surfel: I32) -> Surfels:

@@ -102,8 +102,8 @@ def _voxel_keys(positions: F32, voxel_size_m: float, scan: Scan) -> I64:
     half = 1 << (_BITS - 1)
     if np.abs(positions).max() >= half * voxel_size_m:
         raise InputError(
-            f"scan {scan.name!r} of {scan.source} lies more than {half * voxel_size_m / 1000:.0f} km from the first one: "
-            "are the scans registered, and in metres?"
+            f"scan {scan.name!r} of {scan.source} lies more than {half * voxel_size_m / 1000:.0f} km "
+            "from the first one: are the scans registered, and in metres?"
         )
     key = np.zeros(len(positions), np.int64)
     for axis in range(3):
