@@ -129,11 +129,6 @@ class Tracer:
         self._normals = unit_normals(scene.mesh).astype(np.float32)
         self._directions = ray_grid(scanner)
 
-    @property
-    def rays(self) -> int:
-        """Rays a scan."""
-        return self._directions[..., 0].size
-
     def scan(self, name: str, station: F64, generator: Generator) -> Scan:
         """Measure from one position; the scanner's frame is turned by a random yaw."""
         yaw = rotation_about_z(generator.uniform(-170.0, 170.0))

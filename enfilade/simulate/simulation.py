@@ -13,7 +13,7 @@ from enfilade.errors import InputError
 from enfilade.progress import Progress, Silent
 from enfilade.schema.exchange import write_graph
 
-from .e57 import ScanWriter
+from .e57 import scan_file
 from .locate import Locator
 from .scanner import Scanner, Tracer
 from .scene import OUTSIDE, Scene
@@ -60,7 +60,7 @@ def simulate(
     Raises
     ------
     InputError
-        If no place for the scanner is found, or nothing is seen from one.
+        If no place for the scanner is found, nothing is seen from one, or a file cannot be written.
     """
     chosen = parameters or Parameters()
     stations = _stations(scene, chosen)
@@ -69,12 +69,12 @@ def simulate(
     truth = TruthCloud(scene, locator)
     tracer = Tracer(scene, chosen.scanner)
     progress.start("scan", total=len(stations))
-    with ScanWriter(out) as writer:
+    with scan_file(out) as write:
         for index, (name, station) in enumerate(zip(names, stations, strict=True)):
             scan = tracer.scan(name, station, np.random.default_rng([chosen.scanner.seed, index]))
             if not len(scan.local):
                 raise InputError(f"{scene.name}: the scanner sees nothing at {np.round(station, 2).tolist()}; move it")
-            writer.write(scan)
+            write(scan)
             truth.add(scan)
             progress.advance()
     scan_rooms = dict(zip(names, locator.rooms_of(stations).tolist(), strict=True))

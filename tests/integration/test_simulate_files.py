@@ -201,3 +201,16 @@ def test_a_position_that_sees_nothing_is_named_and_leaves_no_file(tmp_path):
     with pytest.raises(InputError, match="sees nothing at"):
         simulate(scene, tmp_path / "model.e57", parameters=COARSE)
     assert [path.name for path in tmp_path.iterdir()] == ["model.obj"]
+
+
+def test_a_folder_that_cannot_be_written_is_named(scene, tmp_path):
+    (tmp_path / "taken").write_text("a file")
+    with pytest.raises(InputError, match="cannot be written"):
+        simulate(scene, tmp_path / "taken" / "demo.e57", parameters=COARSE)
+
+
+def test_a_new_folder_is_made(scene, tmp_path):
+    scanner = Scanner(angular_step_deg=5.0)
+    out = simulate(scene, tmp_path / "a" / "b" / "demo.e57", parameters=Parameters(scanner), grouping=False)
+    assert {path.name for path in out.parent.iterdir()} == {"demo.e57", "demo.truth"}
+    assert {path.name for path in (out.parent / "demo.truth").iterdir()} == {"graph.json", "cloud.ply"}
