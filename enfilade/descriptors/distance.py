@@ -48,15 +48,18 @@ def distances(query: NDArray[np.uint16], table: NDArray[np.uint16], shape: tuple
     if views.shape[1] != bins or table.ndim != 2 or table.shape[1] != bins:
         raise ValueError(f"descriptors of {views.shape[1]} and {table.shape[-1]} bins do not fit the shape {shape}")
     rings = (-1, shape[0] * shape[1], shape[2])
-    views, rows = views.reshape(rings), table.reshape(rings)
+    rows = table.reshape(rings)
+    # Written twice in a row, the sectors of a view can be read from any shift on without wrapping.
+    twice = np.tile(views.reshape(rings), 2).astype(np.float64)
+    filled = np.asarray(twice.any(axis=2))
     nearest = np.full(len(rows), 2.0)
     starts = range(0, len(rows), _ROWS_PER_THREAD)
     parts = [slice(start, start + _ROWS_PER_THREAD) for start in starts]
     if len(parts) < 2:
-        _nearest(views, rows, nearest)
+        _nearest(twice, filled, rows, nearest)
         return nearest
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        list(pool.map(lambda part: _nearest(views, rows[part], nearest[part]), parts))
+        list(pool.map(lambda part: _nearest(twice, filled, rows[part], nearest[part]), parts))
     return nearest
 
 
@@ -88,27 +91,39 @@ def best_turn(query: NDArray[np.uint16], other: NDArray[np.uint16], shape: tuple
     return float(turn) * 2 * np.pi / shape[2]
 
 
-def _nearest_rows(views: NDArray[np.uint16], rows: NDArray[np.uint16], nearest: NDArray[np.float64]) -> None:
+def _nearest_rows(
+    views: NDArray[np.float64], filled: NDArray[np.bool_], rows: NDArray[np.uint16], nearest: NDArray[np.float64]
+) -> None:
     """Lower each row's `nearest` to its distance from the nearest view.
 
     (q - o)² / (q + o) = q + o - 4 q o / (q + o), so the distance is 2 - 4 Σ q o / (q + o): only bins that hold
     something in both need a division, and rings that are empty in one need nothing.
+
+    Parameters
+    ----------
+    views
+        ``(V, rings, 2 sectors)`` counts, the sectors twice.
+    filled
+        ``(V, rings)`` whether a ring of a view holds anything.
+    rows
+        ``(n, rings, sectors)`` counts.
+    nearest
+        ``(n,)``, changed in place.
     """
     sectors = rows.shape[2]
     for i in range(rows.shape[0]):
-        for v in range(views.shape[0]):
-            overlap = np.zeros(sectors)
-            for r in range(rows.shape[1]):
-                if not (rows[i, r].any() and views[v, r].any()):
+        overlap = np.zeros((views.shape[0], sectors))
+        for r in range(rows.shape[1]):
+            for s in range(sectors):
+                o = float(rows[i, r, s])
+                if o == 0.0:
                     continue
-                for s in range(sectors):
-                    o = float(rows[i, r, s])
-                    if o > 0.0:
+                for v in range(views.shape[0]):
+                    if filled[v, r]:
                         for shift in range(sectors):
-                            q = float(views[v, r, (s + shift) % sectors])
-                            overlap[shift] += np.rint(q * o / (q + o) * _FIXED_POINT)
-            distance = 2.0 - 4.0 * overlap.max() / (_FIXED_POINT * TOTAL)
-            nearest[i] = min(nearest[i], distance)
+                            q = views[v, r, s + shift]
+                            overlap[v, shift] += np.rint(q * o / (q + o) * _FIXED_POINT)
+        nearest[i] = min(nearest[i], 2.0 - 4.0 * overlap.max() / (_FIXED_POINT * TOTAL))
 
 
-_nearest = njit(cache=True, nogil=True)(_nearest_rows)
+_nearest = njit(cache=True, nogil=True, error_model="numpy")(_nearest_rows)

@@ -108,24 +108,37 @@ def draw_match(
     scenes = [scene for scene in _scenes(graph, ends, columns) if scene.rooms.keys() & columns.keys()]
     if not scenes:
         raise NotFoundError("The match names no room or object with a place on a plan; return one to draw it.")
-    objects = [
-        FoundObject(column, node, _points(node, cloud), (shapes or {}).get(column))
-        for column, node in nodes.items()
-        if node.label == "Object"
-    ][:_MOST_OBJECTS]
+    objects = _found(nodes, cloud, shapes or {})
+    figure = _draw(graph, scenes, columns, objects, wall_points(cloud))
+    _write_head(figure, row, nodes, title or f"Match in {shortened(graph.building, 40)}")
+    save(figure, path)
+
+
+def _draw(
+    graph: BuildingGraph,
+    scenes: Sequence[PlanScene],
+    columns: Mapping[str, str],
+    objects: Sequence[FoundObject],
+    walls: F64 | None,
+) -> Figure:
+    """Draw the panels of the plan and the images of the objects."""
     frame = _frame(scenes, columns)
     figure, panels, images, points_per_metre = _grid(len(scenes), len(objects), frame)
-    walls = wall_points(cloud)
     for axes, scene in zip(panels, scenes, strict=True):
         _show(axes, frame)
         _draw_panel(axes, scene, columns, walls, points_per_metre)
         _mark_objects(axes, scene, objects, points_per_metre)
-        _name_storey(axes, graph, ends.storey_of[next(iter(scene.rooms))])
+        _name_storey(axes, graph, scene.topology.storey_of[next(iter(scene.rooms))])
     draw_scale(panels[0], frame[0], frame[1] - 0.3 * 72 / points_per_metre, frame[2] - frame[0])
     for (left, right), found in zip(images, objects, strict=True):
         _draw_object(left, right, found)
-    _write_head(figure, row, nodes, title or f"Match in {shortened(graph.building, 40)}")
-    save(figure, path)
+    return figure
+
+
+def _found(nodes: Mapping[str, Node], cloud: LabelledCloud | None, shapes: Mapping[str, Shape]) -> list[FoundObject]:
+    """Return the first few objects of the match."""
+    objects = [(column, node) for column, node in nodes.items() if node.label == "Object"][:_MOST_OBJECTS]
+    return [FoundObject(column, node, _points(node, cloud), shapes.get(column)) for column, node in objects]
 
 
 def _is_node(graph: BuildingGraph, value: object) -> bool:
