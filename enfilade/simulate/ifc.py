@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from enfilade.errors import InputError
+
 from .casting import Caster
 from .doorways import doorways
 from .flights import stairs_between
@@ -38,10 +40,12 @@ def ifc_scene(path: Path, *, closed_share: float = 0.1, seed: int = 1) -> Scene:
     Raises
     ------
     InputError
-        If the file cannot be read or has no bodies.
+        If the file cannot be read, or has no bodies or no rooms.
     """
     building = _Building(read_model(path))
     units = building.units()
+    if not units.rooms:
+        raise InputError(f"{path}: the model has no rooms (IfcSpace) under a roof; scan it as a mesh instead")
     openings, shut = building.openings(units, closed_share, np.random.default_rng(seed))
     return _reachable(building.scene(path.stem, units, openings, shut))
 

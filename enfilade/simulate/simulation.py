@@ -63,6 +63,7 @@ def simulate(
         If no place for the scanner is found, nothing is seen from one, or a file cannot be written.
     """
     chosen = parameters or Parameters()
+    progress.start("positions")
     stations = _stations(scene, chosen)
     locator = Locator(scene.rooms)
     names = [f"Scan {number:03d}" for number in range(1, len(stations) + 1)]

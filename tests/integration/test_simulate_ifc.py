@@ -131,6 +131,14 @@ def test_a_coarse_scan_of_the_house_gives_files(haus, tmp_path):
     assert min(room.properties["point_count"] for room in rooms) > 1000
 
 
+@needs_models
+def test_a_truncated_model_is_named(tmp_path):
+    model = tmp_path / "half.ifc"
+    model.write_bytes(HAUS.read_bytes()[:400_000])
+    with pytest.raises(InputError, match=r"half\.ifc"):
+        ifc_scene(model)
+
+
 @pytest.mark.parametrize(
     ("name", "text"), [("gone.ifc", None), ("broken.ifc", "ISO-10303-21;\nHEADER;"), ("empty.ifc", "")]
 )
