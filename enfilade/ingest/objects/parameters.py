@@ -51,8 +51,8 @@ class ObjectParameters:
 
     min_side_surfels: int = 20
     join_angle_deg: float = 8.0
-    join_offset_m: float = 0.05
-    clearance_m: float = 0.035
+    join_offset_m: float = 0.02
+    clearance_m: float = 0.02
     max_reveal_m: float = 0.5
     ceiling_reach_m: float = 0.25
     floor_reach_m: float = 0.1

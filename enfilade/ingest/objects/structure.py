@@ -19,6 +19,7 @@ from enfilade.ingest.records import F64, I32, Bool, Planes, Room, RoomLabels, Su
 from enfilade.ingest.sides import Side, cut_by_room, join_patches
 
 MASK_CELL_M: Final = 0.1
+AREA_CELL_M: Final = 0.1
 PLAN_CELL_M: Final = 0.25
 
 
@@ -64,13 +65,14 @@ def find_structure(
     sides = join_patches(
         patches, surfels, max_angle_deg=parameters.join_angle_deg, max_offset_m=parameters.join_offset_m
     )
-    members = _Members(labels)
     is_structure = np.zeros(len(planes.offsets), dtype=bool)
     kept: dict[int, tuple[Side, ...]] = {}
     for number, own in groupby(sides, key=lambda side: side.room):
-        room = rooms[number]
-        ceiling = _CeilingMap(surfels, members.of(number), room)
-        kept[number] = tuple(side for side in own if _is_structure(side, room, ceiling, surfels, parameters))
+        room, all_sides = rooms[number], list(own)
+        level = [side for side in all_sides if not side.vertical and _is_level(side, room, surfels, parameters)]
+        ceiling = _CeilingMap([side for side in level if side.normal[2] < 0], room, surfels)
+        walls = [side for side in all_sides if side.vertical and _reaches_ceiling(side, ceiling, surfels, parameters)]
+        kept[number] = (*level, *walls)
         for side in kept[number]:
             is_structure[list(side.planes)] = True
     return Structure(is_structure, kept)
@@ -107,58 +109,48 @@ def on_structure(
     return on
 
 
-class _Members:
-    """Surfels by room, found with one sort."""
-
-    def __init__(self, labels: RoomLabels) -> None:
-        self._order = np.argsort(labels.after, kind="stable").astype(np.int32)
-        self._sorted = labels.after[self._order]
-
-    def of(self, room: int) -> I32:
-        low, high = np.searchsorted(self._sorted, [room, room + 1])
-        return self._order[low:high]
-
-
 class _CeilingMap:
     """Height of the ceiling over each cell of a room's plan, which slopes under a roof."""
 
-    def __init__(self, surfels: Surfels, members: I32, room: Room) -> None:
+    def __init__(self, ceilings: list[Side], room: Room, surfels: Surfels) -> None:
         self._corner = room.bounds[:2] - PLAN_CELL_M
-        shape = np.ceil((room.bounds[3:5] - self._corner) / PLAN_CELL_M).astype(int) + 2
-        self._height = np.full(tuple(shape), -np.inf)
-        down = members[surfels.normals[members, 2] < -0.3]
-        self._shape = shape
-        cells = self._cells(surfels.positions[down].astype(np.float64))
-        np.maximum.at(self._height, (cells[:, 0], cells[:, 1]), surfels.positions[down, 2])
+        self._shape = np.ceil((room.bounds[3:5] - self._corner) / PLAN_CELL_M).astype(int) + 2
+        self._height = np.full(tuple(self._shape), -np.inf)
+        for side in ceilings:
+            positions = surfels.positions[side.surfels].astype(np.float64)
+            cells = self._cells(positions)
+            np.maximum.at(self._height, (cells[:, 0], cells[:, 1]), positions[:, 2])
         self._height = ndimage.maximum_filter(self._height, 3)
-        top = room.ceiling_elevation if room.ceiling_elevation is not None else room.bounds[5]
-        self._height[~np.isfinite(self._height)] = top
+        self._top = room.ceiling_elevation if room.ceiling_elevation is not None else float(room.bounds[5])
+        self._height[~np.isfinite(self._height)] = self._top
 
     def _cells(self, places: F64) -> I32:
         cells = np.floor((places[:, :2] - self._corner) / PLAN_CELL_M).astype(np.int32)
         return np.clip(cells, 0, self._shape - 1).astype(np.int32)
 
     def above(self, places: F64) -> F64:
-        """``(n,)`` heights over places."""
+        """``(n,)`` heights over places, none above the room's own ceiling."""
         cells = self._cells(places)
-        return np.asarray(self._height[cells[:, 0], cells[:, 1]], dtype=np.float64)
+        return np.asarray(np.minimum(self._height[cells[:, 0], cells[:, 1]], self._top), dtype=np.float64)
 
 
-def _is_structure(side: Side, room: Room, ceiling: _CeilingMap, surfels: Surfels, parameters: ObjectParameters) -> bool:
+def _is_level(side: Side, room: Room, surfels: Surfels, parameters: ObjectParameters) -> bool:
+    """Whether a side that is no wall is a floor, a ceiling, a roof or a ramp."""
     positions = surfels.positions[side.surfels].astype(np.float64)
     height = float(positions[:, 2].mean()) - room.floor_elevation
-    area = len(side.surfels) * 0.05**2
-    if side.vertical:
-        return _reaches_ceiling(side, positions, ceiling, parameters)
-    if side.horizontal:
-        if side.normal[2] < 0:
-            return height > parameters.min_headroom_m
-        return abs(height) < parameters.floor_reach_m or area > parameters.min_platform_m2
-    return area > parameters.min_slope_m2
+    area = (
+        len(np.unique(np.floor(positions @ np.column_stack([side.u, side.v]) / AREA_CELL_M), axis=0)) * AREA_CELL_M**2
+    )
+    if not side.horizontal:
+        return area > parameters.min_slope_m2
+    if side.normal[2] < 0:
+        return height > parameters.min_headroom_m
+    return abs(height) < parameters.floor_reach_m or area > parameters.min_platform_m2
 
 
-def _reaches_ceiling(side: Side, positions: F64, ceiling: _CeilingMap, parameters: ObjectParameters) -> bool:
-    """Whether at least a third of a side's columns end at the ceiling."""
+def _reaches_ceiling(side: Side, ceiling: _CeilingMap, surfels: Surfels, parameters: ObjectParameters) -> bool:
+    """Whether at least a third of a wall's columns end at the ceiling."""
+    positions = surfels.positions[side.surfels].astype(np.float64)
     column = np.floor((positions @ side.u - side.bounds[0]) / MASK_CELL_M).astype(int)
     short = ceiling.above(positions + 0.1 * side.normal) - positions[:, 2]
     least = np.full(column.max() + 1, np.inf)
@@ -168,7 +160,7 @@ def _reaches_ceiling(side: Side, positions: F64, ceiling: _CeilingMap, parameter
 
 
 class _Mask:
-    """The cells that a side covers, its holes filled down to the floor, and one cell around."""
+    """The cells that a side covers, and one cell around: the reveals of its holes lie there."""
 
     def __init__(self, side: Side, surfels: Surfels) -> None:
         self._frame = np.column_stack([side.u, side.v])
@@ -178,10 +170,7 @@ class _Mask:
         found = self._cells(surfels.positions[side.surfels].astype(np.float64))
         cells[found[:, 0], found[:, 1]] = True
         square = np.ones((3, 3), dtype=bool)
-        cells = ndimage.binary_closing(cells, square)
-        if side.vertical:
-            cells[2:-2, 2] = True
-            cells = np.asarray(ndimage.binary_fill_holes(cells), dtype=np.bool_)
+        cells = np.asarray(ndimage.binary_closing(cells, square), dtype=np.bool_)
         self._covered: Bool = np.asarray(ndimage.binary_dilation(cells, square), dtype=np.bool_)
 
     def _cells(self, places: F64) -> I32:
