@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from .sight import SightParameters, Views, compare_views
 from .structure import Structure
 
 I64 = NDArray[np.int64]
+_LEVEL: Final = 0.7
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +44,7 @@ class GroupParameters:
 
     below_ceiling_m: float = 0.15
     headroom_m: float = 1.1
-    least_open: float = 0.53
+    least_open: float = 0.52
     storey_gap_m: float = 1.2
     sight: SightParameters = field(default_factory=SightParameters)
 
@@ -67,13 +69,13 @@ def group_scans(
     """
     structure = Structure(planes)
     lifted = scanner_positions.copy()
-    rise = _clearance(structure, scanner_positions, 1.0) - parameters.below_ceiling_m
+    rise = _clearance(structure, planes, scanner_positions, 1.0) - parameters.below_ceiling_m
     lifted[:, 2] += np.clip(rise, 0.0, parameters.headroom_m)
     views = compare_views(structure, planes, scanner_positions, lifted, parameters.sight)
     group = _joined(len(lifted), views, parameters.least_open)
     group = _overridden(group, given or {}, scanner_positions)
     scan_room = _numbered(group, scanner_positions.astype(np.float64), parameters.storey_gap_m)
-    floors = (scanner_positions[:, 2] - _clearance(structure, scanner_positions, -1.0)).astype(np.float32)
+    floors = (scanner_positions[:, 2] - _clearance(structure, planes, scanner_positions, -1.0)).astype(np.float32)
     return Groups(scan_room, lifted, floors, _votes(scan_room, views, parameters.least_open))
 
 
@@ -105,20 +107,22 @@ def _votes(scan_room: I32, views: Views, least_open: float) -> Bool:
     return votes
 
 
-def _clearance(structure: Structure, scanners: F32, sign: float) -> F32:
+def _clearance(structure: Structure, planes: Planes, scanners: F32, sign: float) -> F32:
     """``(S,)`` metres up (`sign` 1) to the ceiling or down (-1) to the floor, infinite where there is none.
 
-    It is the median of what the front faces in a steep cone of rays say.
+    It is the lower quartile of the level faces that rays in three cones meet, so that a skylight over the scanner or
+    a stair well under it is not taken for the whole ceiling or floor.
     """
-    azimuth = 2.0 * np.pi * np.arange(16) / 16.0
-    tilt = np.tile([0.1, 0.35], 8)
+    azimuth = 2.0 * np.pi * np.arange(24) / 24.0
+    tilt = np.tile([0.1, 0.4, 0.8], 8)
     cone = np.stack([np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), sign * np.cos(tilt)], axis=1)
     directions = np.tile(cone.astype(np.float32), (len(scanners), 1))
     hits = structure.cast(np.repeat(scanners, len(cone), axis=0), directions)
-    height = np.where(hits.front, hits.distance * np.abs(directions[:, 2]), np.nan).reshape(len(scanners), -1)
+    facing = hits.front & (sign * np.append(planes.normals[:, 2], 0.0)[hits.plane] < -_LEVEL)
+    height = np.where(facing, hits.distance * np.abs(directions[:, 2]), np.nan).reshape(len(scanners), -1)
     seen = np.isfinite(height).any(axis=1)
     clearance = np.full(len(scanners), np.inf, np.float32)
-    clearance[seen] = np.nanmedian(height[seen], axis=1)
+    clearance[seen] = np.nanquantile(height[seen], 0.25, axis=1)
     return clearance
 
 

@@ -69,7 +69,7 @@ def _near_own(xy: F64, room: I32, outlines: NDArray[np.object_], reach_m: float)
 def _containing(
     positions: F32, outlines: NDArray[np.object_], plans: Sequence[Plan], height_m: float
 ) -> tuple[I64, I64]:
-    """Return positions and the room whose plan holds each, as index arrays; the highest floor first where several do."""
+    """Return positions and the room whose plan holds each, as index arrays; where several do, that of highest floor."""
     tree = shapely.STRtree(outlines)
     position, room = tree.query(shapely.points(positions[:, :2].astype(np.float64)), predicate="within")
     floors = np.array([plan.floor_elevation for plan in plans])

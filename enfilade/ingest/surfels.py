@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numba import njit
@@ -13,6 +14,7 @@ from .moments import MOMENTS, fit_plane, moments_of
 from .records import F32, F64, I32, Surfels, ThinnedCloud
 
 I64 = NDArray[np.int64]
+_VIEWS_AT_ONCE: Final = 1 << 16
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +49,7 @@ def make_surfels(cloud: ThinnedCloud, parameters: SurfelParameters = SurfelParam
     starts = np.flatnonzero(np.diff(key[order], prepend=-1))
     view_key = key[order[starts]]
     low = np.asarray(grid.lowest * grid.cell_m, np.float64)
-    moments = np.add.reduceat(moments_of(cloud.positions[order].astype(np.float64) - low), starts, axis=0)
+    moments = _moments(cloud.positions, order, starts, low)
     view_scan = (view_key // grid.size).astype(np.int32)
     towards = cloud.scanner_positions[view_scan].astype(np.float64) - low
     normals = _normals(view_key, grid.row_offsets(), moments, towards, parameters)
@@ -55,6 +57,17 @@ def make_surfels(cloud: ThinnedCloud, parameters: SurfelParameters = SurfelParam
     point_surfel = np.empty(len(key), np.int32)
     point_surfel[order] = np.repeat(view_surfel, np.diff(starts, append=len(key)))
     return _gather(view_surfel, view_scan, moments, normals, low, point_surfel)
+
+
+def _moments(positions: F32, order: I64, starts: I64, low: F64) -> F64:
+    """``(n, 10)`` moments of each view, its points being ``order[starts[i]:starts[i + 1]]``; some views at a time."""
+    moments = np.empty((len(starts), MOMENTS))
+    bounds = np.append(starts, len(order))
+    for first in range(0, len(starts), _VIEWS_AT_ONCE):
+        past = min(first + _VIEWS_AT_ONCE, len(starts))
+        points = positions[order[bounds[first] : bounds[past]]].astype(np.float64) - low
+        moments[first:past] = np.add.reduceat(moments_of(points), bounds[first:past] - bounds[first], axis=0)
+    return moments
 
 
 def _normals(keys: I64, offsets: I64, moments: F64, towards: F64, parameters: SurfelParameters) -> F64:
@@ -100,16 +113,15 @@ def _join_views(cell: I64, count: F64, normals: F64) -> I32:
     The view with most points leads; views of the cell that look at it from the other side make a second surfel.
     Views without a normal go with the leader.
     """
-    has_normal = normals.any(axis=1)
+    has_normal = np.asarray(normals.any(axis=1))
     order = np.lexsort((-count, ~has_normal, cell))
     first = np.flatnonzero(np.diff(cell[order], prepend=-1))
     leader = np.repeat(order[first], np.diff(first, append=len(order)))
-    opposed = np.einsum("ij,ij->i", normals[order], normals[leader]) < 0.0
-    side = 2 * cell[order] + opposed
-    side[~has_normal[leader]] = -1
+    opposed = np.asarray(np.einsum("ij,ij->i", normals[order], normals[leader]) < 0.0)
+    side: I64 = np.where(has_normal[leader], 2 * cell[order] + opposed, np.int64(-1))
     names, number = np.unique(side, return_inverse=True)
     surfel = np.empty(len(cell), np.int32)
-    surfel[order] = number - int(names[0] == -1)
+    surfel[order] = number - np.count_nonzero(names == -1)
     return surfel
 
 

@@ -94,7 +94,8 @@ def _run_of(scan: Scan, index: int, origin: F64, voxel_size_m: float) -> _Run:
     distance = np.linalg.norm(scan.positions - scan.scanner_position, axis=1).astype(np.float32)
     positions = local.astype(np.float32)
     voxel = _voxel_keys(positions, voxel_size_m, scan)
-    return _nearest_per_voxel(_Run(voxel, positions, np.full(len(positions), index, np.int32), distance))
+    run = _Run(voxel, positions, np.full(len(positions), index, np.int32), distance)
+    return _nearest_per_voxel(run, np.argsort(voxel))
 
 
 def _voxel_keys(positions: F32, voxel_size_m: float, scan: Scan) -> I64:
@@ -127,11 +128,10 @@ def _merged(runs: list[_Run]) -> _Run:
         np.concatenate([run.scan for run in runs]),
         np.concatenate([run.range for run in runs]),
     )
-    return _nearest_per_voxel(joined)
+    return _nearest_per_voxel(joined, np.argsort(joined.voxel, kind="stable"))  # merges what is sorted in one pass
 
 
-def _nearest_per_voxel(run: _Run) -> _Run:
-    order = np.argsort(run.voxel)
+def _nearest_per_voxel(run: _Run, order: I64) -> _Run:
     kept = _best_of_each(run.voxel, order, run.range, run.positions)
     return _Run(run.voxel[kept], run.positions[kept], run.scan[kept], run.range[kept])
 
