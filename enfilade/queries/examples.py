@@ -78,6 +78,8 @@ class Examples:
     def _measured(self, likeness: Likeness) -> dict[str, float]:
         target = self._target(likeness.reference)
         if isinstance(target, str):
+            if likeness.at is not None:
+                raise QuestionError("AT is for a file: the height of a stored object is known.")
             return self._from_object(target)
         if likeness.at is None:
             return self._foot_on_foot(target)
@@ -91,6 +93,8 @@ class Examples:
                 return read_shape(path)
             case Call("object", (Literal(str(id)),)):
                 return id
+            case Call("object", (Parameter(name),)) if isinstance(self._given[name], str):
+                return str(self._given[name])
             case Parameter(name):
                 return self._given_target(name, self._given[name])
         raise QuestionError("an example is a file in quotes, a $parameter or object('id').")

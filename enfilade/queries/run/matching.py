@@ -9,8 +9,9 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, Final
 
+from enfilade.errors import StoreError
 from enfilade.queries.compile_cypher import compile_cypher
 from enfilade.queries.compile_sql import compile_sql
 from enfilade.queries.compiler import Compiled, GivenIds, LikeIds, Search, Wanted
@@ -31,6 +32,9 @@ from .matches import Element, Match
 from .needs import split_conditions
 from .pruning import likened_nodes, one_of_each, scored, without_overlap
 from .values import value_of
+
+_ROWS_BETWEEN_LOOKS: Final = 4096
+"""Rows after which the clock is looked at."""
 
 Pairs = tuple[tuple[str, str], ...]
 
@@ -149,13 +153,25 @@ class Matcher:
         start = time.perf_counter()
         step.rows = step.kept = 0
         limits = self._limits(search.expansion)
-        for row in self._store.rows(compiled.text, self._filled(compiled, given), timeout_s=self._deadline.left_s()):
+        for row in self._rows(compiled.text, self._filled(compiled, given)):
             step.rows += 1
             elements = self._elements(search, row)
             if all(elements[name].id in ids for name, ids in limits.items()):
                 step.kept += 1
                 yield elements
         step.seconds = time.perf_counter() - start
+
+    def _rows(self, text: str, parameters: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
+        """Rows of a statement, until the whole question's time is over."""
+        try:
+            for number, row in enumerate(self._store.rows(text, parameters, timeout_s=self._deadline.left_s())):
+                if number % _ROWS_BETWEEN_LOOKS == 0 and self._deadline.passed():
+                    raise self._deadline.reason()
+                yield row
+        except StoreError:
+            if self._deadline.passed():
+                raise self._deadline.reason() from None
+            raise
 
     def _limits(self, expansion: Expansion) -> dict[str, Mapping[str, float]]:
         """Objects that may stand behind each likened node."""
