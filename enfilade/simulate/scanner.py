@@ -79,7 +79,7 @@ class Pose:
 
     def apply(self, local: NDArray[Any]) -> F64:
         """``(K, 3)`` scanner coordinates to ``(K, 3) float64`` world coordinates."""
-        moved: F64 = local.astype(np.float64) @ self.rotation.T + self.translation
+        moved: F64 = np.einsum("ij,kj->ik", local.astype(np.float64), self.rotation) + self.translation
         return moved
 
 
@@ -132,7 +132,7 @@ class Tracer:
     def scan(self, name: str, station: F64, generator: Generator) -> Scan:
         """Measure from one position; the scanner's frame is turned by a random yaw."""
         yaw = rotation_about_z(generator.uniform(-170.0, 170.0))
-        directions = (self._directions.reshape(-1, 3) @ yaw.T.astype(np.float32)).astype(np.float32)
+        directions = np.einsum("ij,kj->ik", self._directions.reshape(-1, 3), yaw.astype(np.float32))
         ranges, triangle = self._first_hits(station, directions, generator)
         normal = self._normals[np.maximum(triangle, 0)]
         measured, mixed = self._measure(ranges, directions, normal, generator)
