@@ -47,7 +47,7 @@ class Settings:
     http_port: int = 7474
     heap_mb: int = 512
     page_cache_mb: int = 128
-    start_timeout_s: float = 120.0
+    start_timeout_s: float = 240.0
 
 
 def write_configuration(home: Home, settings: Settings) -> None:
@@ -61,6 +61,7 @@ def write_configuration(home: Home, settings: Settings) -> None:
         "server.memory.pagecache.size": f"{settings.page_cache_mb}m",
         "dbms.security.auth_enabled": "true",
         "dbms.usage_report.enabled": "false",
+        "client.allow_telemetry": "false",
         "db.tx_log.rotation.retention_policy": "1 files",
     }
     with replacing(home.configuration / "neo4j.conf") as file:
@@ -100,7 +101,8 @@ def set_first_password(home: Home, jars: Sequence[Path], password: str) -> None:
     finally:
         given.unlink()
     if done.returncode or not home.is_initialised:
-        raise ServerError(f"the password of the server cannot be set: {(done.stderr or done.stdout).strip()}")
+        said = (done.stderr or done.stdout).strip().partition("\n")[0]
+        raise ServerError(f"the password of the server cannot be set; Neo4j said: {said}")
 
 
 def _class_path(home: Home, jars: Sequence[Path]) -> str:
