@@ -1,5 +1,7 @@
 """Holes that rays go through become doors, passages, windows and stairs with the right size and place."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from box_scene import BoxScene, two_rooms
@@ -97,3 +99,54 @@ def test_a_recess_of_the_own_room_is_no_opening():
     labels.after[:] = 0
     labels.scan_room[:] = 0
     assert find_openings(cloud, surfels, planes, labels, rooms[:1], ()) == ()
+
+
+def test_a_closed_door_is_found_by_its_inset_and_doubted():
+    """The leaf lies 5 cm behind the wall of room 0 and 11 cm behind that of room 1 (Figure 6 of the paper)."""
+    scene = two_rooms(holes=[DOOR])
+    scene.add(0, 4.05, DOOR[0], DOOR[1], -1, 0, plane=False)
+    scene.add(0, 4.09, DOOR[0], DOOR[1], 1, 1, plane=False)
+    (door,), *_ = openings_of(scene)
+    assert (door.kind, door.state, door.room_a, door.room_b) == ("door", "closed", 0, 1)
+    assert door.width == pytest.approx(0.9, abs=0.04)
+    assert door.height == pytest.approx(2.05, abs=0.04)
+    assert door.ray_count == 0
+    assert door.confidence <= 0.5
+
+
+def glazed_room():
+    """One room with a hole of 1.2 x 1.1 m in an outer wall, behind which nothing sends a ray back."""
+    scene = BoxScene()
+    scene.room(0, (0, 0, 0), (4, 3, 2.5), holes={"y1": [((1.0, 0.9), (2.2, 2.0))]})
+    scene.scanners = [((2.2, 1.3, 1.5), 0), ((0.8, 1.0, 1.5), 0)]
+    return scene
+
+
+def test_a_hole_that_sends_nothing_back_is_a_window_to_the_outside():
+    (window,), *_ = openings_of(glazed_room())
+    assert (window.kind, window.state, window.room_a, window.room_b) == ("window", "closed", 0, None)
+    assert window.width == pytest.approx(1.2, abs=0.04)
+    assert window.height == pytest.approx(1.1, abs=0.04)
+    assert window.sill == pytest.approx(0.9, abs=0.03)
+    np.testing.assert_allclose(window.position, [1.6, 3.0, 1.45], atol=0.03)
+
+
+def test_a_wall_hidden_by_a_cupboard_has_no_window():
+    """The cupboard leaves a clean rectangle in the wall, as a window would."""
+    scene = BoxScene()
+    scene.room(0, (0, 0, 0), (4, 3, 2.5))
+    scene.block((1.0, 2.4, 0.0), (2.2, 2.98, 1.9), 0)
+    scene.scanners = [((2.2, 0.8, 1.5), 0), ((0.8, 0.8, 1.5), 0)]
+    assert openings_of(scene)[0] == ()
+
+
+def test_order_of_points_makes_no_difference():
+    cloud, surfels, planes, labels, rooms = two_rooms(holes=[DOOR]).scan(step_deg=1.0)
+    neighbours = find_neighbours(surfels, planes, labels, rooms)
+    shuffled = np.random.default_rng(5).permutation(len(cloud.scan))
+    other_cloud = replace(cloud, positions=cloud.positions[shuffled], scan=cloud.scan[shuffled])
+    other_surfels = replace(surfels, point_surfel=surfels.point_surfel[shuffled])
+    (one,) = find_openings(cloud, surfels, planes, labels, rooms, neighbours)
+    (two,) = find_openings(other_cloud, other_surfels, planes, labels, rooms, neighbours)
+    assert (one.room_a, one.room_b, one.ray_count, one.kind) == (two.room_a, two.room_b, two.ray_count, two.kind)
+    assert one.width == pytest.approx(two.width, abs=1e-9)
