@@ -21,9 +21,12 @@ PATH = click.Path(path_type=Path)
 @click.command("ingest")
 @click.argument("scans", nargs=-1, required=True, type=PATH)
 @click.option("--building", help="Id: all SCANS are one building. Without it each argument is one, named after it.")
+@click.option("--name", help="What people call the building, any text; without it its id.")
 @click.option("--rooms", "grouping", type=PATH, help="CSV `scan,room` that overrides the automatic grouping.")
 @click.pass_context
-def ingest_command(ctx: click.Context, scans: tuple[Path, ...], building: str | None, grouping: Path | None) -> None:
+def ingest_command(
+    ctx: click.Context, scans: tuple[Path, ...], building: str | None, name: str | None, grouping: Path | None
+) -> None:
     """Turn registered scans into a graph in the store.
 
     SCANS are E57 files or folders of them. One building that fails does not stop the others; the exit status is 1 if
@@ -32,29 +35,32 @@ def ingest_command(ctx: click.Context, scans: tuple[Path, ...], building: str | 
     from enfilade.schema.ids import check_building
 
     jobs = {building: list(scans)} if building is not None else _one_each(scans)
-    if grouping is not None and len(jobs) > 1:
-        raise click.UsageError("--rooms goes with one building; name it with --building.")
-    for name in jobs:
-        check_building(name)
+    if len(jobs) > 1 and (grouping is not None or name is not None):
+        option = "--rooms" if name is None else "--name"
+        raise click.UsageError(f"{option} goes with one building; say with --building that all is one.")
+    for id in jobs:
+        check_building(id)
     archive = open_archive(ctx, create=True)
     failed = 0
-    for name, paths in jobs.items():
+    for id, paths in jobs.items():
         try:
-            ingest_one(archive, name, paths, grouping)
+            ingest_one(archive, id, paths, name=name, grouping=grouping)
         except EnfiladeError as error:
             if ctx.obj["debug"]:
                 raise
-            click.echo(f"Error: {name}: {error}", err=True)
+            click.echo(f"Error: {id}: {error}", err=True)
             failed += 1
     ctx.exit(1 if failed else 0)
 
 
-def ingest_one(archive: Archive, building: str, scans: list[Path], grouping: Path | None = None) -> None:
+def ingest_one(
+    archive: Archive, building: str, scans: list[Path], *, name: str | None = None, grouping: Path | None = None
+) -> None:
     """Ingest one building with bars, and say in a line what it became."""
     from enfilade.ingest.pipeline import ingest
 
     with progress_bars() as bars:
-        result = ingest(scans, building=building, rooms_csv=grouping, progress=bars)
+        result = ingest(scans, building=building, name=name, rooms_csv=grouping, progress=bars)
         bars.start("store")
         archive.save(result.graph, result.cloud)
     labels = ("Storey", "Room", "Opening", "Object")

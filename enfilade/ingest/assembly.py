@@ -53,6 +53,7 @@ class Findings:
 
 def assemble_graph(
     building: str,
+    name: str,
     found: Findings,
     descriptor_shape: tuple[int, int, int],
     provenance: Mapping[str, Any],
@@ -60,7 +61,7 @@ def assemble_graph(
     """Put the graph of a building together; `provenance` holds further properties of the building's node."""
     graph = BuildingGraph(building, descriptor_shape=descriptor_shape if found.objects.combinations else None)
     origin = found.cloud.origin
-    _add_building(graph, found.cloud, provenance)
+    _add_building(graph, name, found.cloud, provenance)
     _add_storeys(graph, found.storeys, found.rooms, origin)
     _add_rooms(graph, found.rooms, found.room_storey, origin)
     _add_neighbours(graph, found.neighbours)
@@ -90,12 +91,12 @@ def _of_surfel(values: I32, index: I32) -> I32:
     return np.append(values, np.int32(-1))[index]
 
 
-def _add_building(graph: BuildingGraph, cloud: ThinnedCloud, provenance: Mapping[str, Any]) -> None:
+def _add_building(graph: BuildingGraph, name: str, cloud: ThinnedCloud, provenance: Mapping[str, Any]) -> None:
     low, high = cloud.positions.min(axis=0) + cloud.origin, cloud.positions.max(axis=0) + cloud.origin
     graph.add_node(
         graph.building,
         "Building",
-        name=graph.building,
+        name=name,
         scan_count=len(cloud.scan_names),
         point_count=cloud.raw_count,
         bounds=[*low.tolist(), *high.tolist()],

@@ -55,6 +55,7 @@ def ingest(
     sources: Sequence[Path],
     *,
     building: str,
+    name: str | None = None,
     parameters: Parameters = _DEFAULTS,
     rooms_csv: Path | None = None,
     progress: Progress = _SILENT,
@@ -67,6 +68,8 @@ def ingest(
         Scan files, or folders of them.
     building
         Id of the building.
+    name
+        What people call it, any text; its id if None.
     parameters
         Parameters of all stages.
     rooms_csv
@@ -103,9 +106,12 @@ def ingest(
     watch.start("openings")
     openings = find_openings(cloud, surfels, planes, labels, rooms, neighbours, parameters.openings)
     watch.start("objects")
-    objects = find_objects(cloud, surfels, planes, labels, rooms, parameters.objects, parameters.descriptors)
+    objects = find_objects(
+        cloud, surfels, planes, labels, rooms, parameters.objects, parameters.descriptors, openings=openings
+    )
     watch.start("graph")
     found = Findings(cloud, surfels, planes, labels, rooms, storeys, neighbours, openings, objects)
     origin_of_all = provenance(files, rooms_csv, parameters)
-    graph = assemble_graph(building, found, parameters.descriptors.shape, origin_of_all)
+    said = building if name is None else name
+    graph = assemble_graph(building, said, found, parameters.descriptors.shape, origin_of_all)
     return Ingested(graph, assemble_cloud(found), watch.stop())
