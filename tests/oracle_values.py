@@ -115,7 +115,7 @@ class Values:
             values, scores, match = row
             first = []
             for wanted in query.order:
-                if aggregated or query.distinct:
+                if aggregated:
                     value = values[_column_of(wanted.expression, query)]
                 else:
                     value = self.value(_resolved(wanted.expression, query), match, scores)

@@ -136,12 +136,49 @@ class QuestionMaker:
         """A whole question."""
         self.labels, self.edges, self.likes, self.inner = {}, {}, 0, 0
         rng = self.rng
+        if rng.random() < 0.2:
+            return self.symmetric()
         text = f"MATCH {self.pattern(rng.choice((1, 2, 2, 3, 3)))}"
         if rng.random() < 0.5:
             text += f" WHERE {self.condition(2)}"
         for _ in range(rng.choice((0, 0, 0, 0, 1, 1, 2))):
             text += f" OPTIONAL MATCH {self.option()}"
         return f"{text} {self.returning()}"
+
+    def symmetric(self) -> str:
+        """A question in which two or three rooms play the same part, so that its matches come in sets."""
+        rng = self.rng
+        names = ["a", "b", "c"][: rng.choice((2, 2, 3))]
+        edge = rng.choice(("DOOR", "DOOR", "NEIGHBOUR", "OPENING", "DOOR|NEIGHBOUR"))
+        forms = [
+            ", ".join(f"(h:Room)-[:{edge}]-({name}:Room)" for name in names),
+            ", ".join(f"({name}:Room)" for name in names),
+            f"(a:Room)-[:{edge}]-(b:Room), (a)-[:{edge}]-(b)" + ", (c:Room)" * (len(names) == 3),
+            f"(a:Room)-[:{edge.split('|')[0]}*1..2]-(b:Room)" + ", (c:Room)" * (len(names) == 3),
+        ]
+        if len(names) == 3:
+            forms.append(f"(a:Room)-[:{edge}]-(b:Room)-[:{edge}]-(c:Room)-[:{edge}]-(a)")
+        pattern = rng.choice(forms)
+        like = f" {self.likeness()}" if rng.random() < 0.5 else ""
+        if rng.random() < 0.5:
+            pattern += "".join(f", ({name})-[:CONTAINS]->(o{name}:Object{like})" for name in names)
+        said = [
+            [f"{name}.area > 4" for name in names],
+            [" <> ".join(rng.sample((f"{names[0]}.area", f"{names[1]}.area"), 2))],
+            [f"EXISTS {{ ({name})-[:DOOR]-(x:Room) WHERE x.area >= {name}.area }}" for name in names],
+            [f"count {{ ({names[0]})-[:DOOR]-({names[1]}) }} < 2"],
+            [f"{names[0]}.area + {names[1]}.area >= 16"],
+        ]
+        conditions = [text for part in rng.sample(said, rng.choice((0, 1, 1, 2))) for text in part]
+        rng.shuffle(conditions)
+        where = f" WHERE {' AND '.join(conditions)}" if conditions else ""
+        if rng.random() < 0.3:
+            where += f" OPTIONAL MATCH (z:Room), (q:Room) WHERE z.area {rng.choice('<=')} q.area"
+            names += ["z", "q"]
+        returned = rng.choice(
+            (", ".join(rng.sample(names, len(names))), names[0], "count(*)", "score", "DISTINCT a, b")
+        )
+        return f"MATCH {pattern}{where} RETURN {returned}"
 
     # Patterns
 
@@ -369,7 +406,7 @@ class QuestionMaker:
         word = rng.choice(("", "", "", "", "ALL ", "DISTINCT "))
         text = f"RETURN {word}{', '.join(columns)}"
         if rng.random() < 0.35:
-            keys = columns if word == "DISTINCT " else values
+            keys = [*columns, *self._properties_of(columns)] if word == "DISTINCT " else values
             chosen = [
                 f"{key}{rng.choice(('', ' DESC'))}" for key in rng.sample(keys, min(len(keys), rng.randint(1, 2)))
             ]
@@ -381,6 +418,10 @@ class QuestionMaker:
         if rng.random() < 0.15:
             text += f" PER BUILDING {rng.choice((1, 2))}"
         return text
+
+    def _properties_of(self, columns: list[str]) -> list[str]:
+        """Properties of the nodes that are returned; ORDER BY may take them after DISTINCT."""
+        return [f"{name}.building" for name in columns if name in self.labels]
 
     def _countable(self) -> bool:
         return any(label != "Building" for label in self.labels.values())

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
+from enfilade.errors import QuestionError
 from enfilade.stores.base import Store
 from enfilade.stores.deadline import Deadline
 
@@ -16,7 +17,7 @@ from .examples import Examples
 from .expansion import combining_objects
 from .explanation import Explanation
 from .kinds import Scope, check_kinds, scope_of, whole_scope
-from .parse import parse
+from .parse import NESTED, parse
 from .query_graph import Pattern, QueryGraph
 from .result import Result
 from .run.matches import Match
@@ -64,15 +65,24 @@ def answer(
     StoreError
         If the store fails, or the time is over.
     """
-    query = parse(question) if isinstance(question, str) else question
     given = {**(parameters or {}), **(likenesses or {})}
-    query = bind(resolve(query), parameters or {}, given)
-    check_kinds(query)
-    check_rows(query)
+    try:
+        query = _understood(question, parameters or {}, given)
+    except RecursionError:
+        raise QuestionError(NESTED) from None
     answering = _Answering(store, query, Examples(store, given), Deadline(timeout_s), run=not explain_only)
     rows = answering.rows()
     columns = [column.name for column in query.columns]
     return Result(columns, [dict(zip(columns, row, strict=True)) for row in rows], answering.explanation)
+
+
+def _understood(question: str | QueryGraph, parameters: Mapping[str, Any], given: Mapping[str, Any]) -> QueryGraph:
+    """Return a question with every name checked and every value put in."""
+    query = parse(question) if isinstance(question, str) else question
+    query = bind(resolve(query), parameters, given)
+    check_kinds(query)
+    check_rows(query)
+    return query
 
 
 class _Answering:

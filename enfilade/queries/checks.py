@@ -60,12 +60,18 @@ class _Resolver:
         pattern, scope = self._pattern(query.pattern, {})
         optional = []
         for clause in query.optional:
+            self._check_option(clause, scope)
             resolved, scope = self._pattern(clause, scope)
             optional.append(resolved)
         columns = tuple(Column(c.name, self._value(c.expression, scope)) for c in query.columns)
         self._check_columns(columns, scope)
         resolved_query = replace(query, pattern=pattern, optional=tuple(optional), columns=columns)
         return replace(resolved_query, order=tuple(self._sort_key(key, resolved_query, scope) for key in query.order))
+
+    def _check_option(self, clause: Pattern, scope: Scope) -> None:
+        for node in clause.nodes:
+            if node.likeness is not None and node.name in scope:
+                self._fail(f'"{node.name}" is not new here; put its LIKE where it first stands.', node.likeness.place)
 
     def _fail(self, message: str, place: Place | None) -> NoReturn:
         message = message.replace("?.", "?")

@@ -26,6 +26,7 @@ from .syntax import (
     Membership,
     Not,
     PropertyOf,
+    Scalar,
     Subquery,
     TextTest,
     Variable,
@@ -91,6 +92,9 @@ class Compiled:
     columns: tuple[Wanted, ...] = field(default=())
 
 
+MOST_MARKS: Final = 100
+"""A longer list of values is one parameter."""
+
 _PLAIN_ALIAS: Final = re.compile(r"[a-z][a-z0-9]*")
 _RESERVED: Final = re.compile(r"[nex]\d+|x|y|any|case|coalesce|count|elementid|exists|match|null|size|table|true|false")
 """Names that the compilers make up themselves, and words that could be read otherwise."""
@@ -106,6 +110,7 @@ class Compiler(ABC):
     def __init__(self, search: Search) -> None:
         self._search = search
         self._parameters: dict[str, Any] = {}
+        self._marks: dict[tuple[type, Any], str] = {}
         self._aliases: dict[str, str] = {}
         self._links: set[str] = set()
         self._fresh = 0
@@ -188,10 +193,7 @@ class Compiler(ABC):
 
     def _parameter(self, value: Any) -> str:
         """Return the mark of a parameter with a value; equal values of one type share it."""
-        for name, known in self._parameters.items():
-            if type(known) is type(value) and known == value:
-                return self.mark + name
-        name = f"p{len(self._parameters)}"
+        name = self._marks.setdefault((type(value), value), f"p{len(self._marks)}")
         self._parameters[name] = value
         return self.mark + name
 
@@ -266,20 +268,25 @@ class Compiler(ABC):
                 return f"({self._condition(left, scope)} {operator} {self._condition(right, scope)})"
             case Logic(operator, operands):
                 texts = [self._condition(operand, scope) for operand in operands]
-                return self._xor(texts) if operator == "XOR" else f"({f' {operator} '.join(texts)})"
+                return self._xor(texts) if operator == "XOR" else f"({_joined(operator, texts)})"
             case Not(operand):
                 return f"(NOT {self._condition(operand, scope)})"
             case IsNull(operand, negated):
                 return f"({self._condition(operand, scope)} IS {'NOT ' * negated}NULL)"
             case Membership(item, Literal(values)):
                 assert isinstance(values, tuple)
-                return self._in(self._condition(item, scope), [self._parameter(value) for value in values])
+                return self._one_of(self._condition(item, scope), values)
             case TextTest(operator, left, Literal(value)):
                 assert isinstance(value, str)
                 return self._text_test(operator, self._condition(left, scope), self._parameter(value), value)
             case Subquery():
                 return self._matches(expression, scope)
         raise AssertionError(f"{expression} is not for a store")
+
+    def _one_of(self, item: str, values: tuple[Scalar, ...]) -> str:
+        if len(values) > MOST_MARKS:
+            return f"({self._among(item, self._parameter(values))})"
+        return self._in(item, [self._parameter(value) for value in values])
 
     def _matches(self, subquery: Subquery, outer: Scope) -> str:
         pattern = subquery.pattern
@@ -300,3 +307,11 @@ class Compiler(ABC):
 
     def _nothing(self, kind: str) -> str:
         return "(1 = 0)" if kind == "exists" else "0"
+
+
+def _joined(operator: str, texts: Sequence[str]) -> str:
+    """Join conditions; many are put in brackets by halves, as engines limit how deep an expression may be."""
+    if len(texts) <= MOST_MARKS:
+        return f" {operator} ".join(texts)
+    half = len(texts) // 2
+    return f"({_joined(operator, texts[:half])}) {operator} ({_joined(operator, texts[half:])})"

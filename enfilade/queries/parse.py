@@ -22,6 +22,8 @@ _NOT_THERE: Final = {
     "CASE": "CASE is not there; return the properties and decide outside",
     "UNWIND": "UNWIND is not there; use IN and a list instead",
     "FOREACH": "FOREACH is not there: a question only reads; use the command ingest or import to change a store",
+    "EXPLAIN": "EXPLAIN is not there; use the option --explain, or the result's explanation",
+    "PROFILE": "PROFILE is not there; use the option --explain, or the result's explanation",
     "USE": "USE is not there; choose the store with --store",
     "=~": "=~ is not there; use STARTS WITH, ENDS WITH or CONTAINS instead",
 } | {
@@ -58,6 +60,8 @@ _READABLE: Final = {
 _UNTOLD: Final = frozenset({"SEMICOLON", "PLUS", "SLASH", "PERCENT", "CIRCUMFLEX", "PARAMETER", "STRING"})
 """Terminals that may stand almost anywhere: to name them tells nothing."""
 
+NESTED: Final = "the question is nested too deeply; make it simpler."
+
 _MOST_TOLD: Final = 6
 
 _CLAUSE_BEFORE: Final = re.compile(r"\b(return|match|where|order|limit|skip)\s+\Z", re.I)
@@ -74,12 +78,11 @@ def parse(text: str) -> QueryGraph:
         If the text is no question of the language; with line and column.
     """
     try:
-        tree = _parser().parse(text)
+        return Builder(text).question(_parser().parse(text))
     except UnexpectedInput as error:
         raise _explained(error, text) from None
     except RecursionError:
-        raise QuestionError("the question is nested too deeply; make it simpler.") from None
-    return Builder(text).question(tree)
+        raise QuestionError(NESTED) from None
 
 
 @cache

@@ -98,7 +98,7 @@ class _Search:
         scope: Scope,
     ) -> None:
         self._edges = [_Edge(i, edge) for i, pattern in enumerate(patterns) for edge in pattern.edges]
-        self._sides = sides
+        self._sides = [(side, side({})) for side in sides]
         names: dict[str, str] = {}
         for i, pattern in enumerate(patterns):
             for node in pattern.nodes:
@@ -146,7 +146,8 @@ class _Search:
     def _finish(self, nodes: Symmetry) -> None:
         for edges in self._edge_images(nodes):
             names = {**nodes, **edges}
-            if all(side(names) == side({}) for side in self._sides):
+            agrees = all(nodes.get(name, image) == image for name, image in edges.items())
+            if agrees and all(side(names) == unchanged for side, unchanged in self._sides):
                 self._found.append(names)
             if len(self._found) > MOST_SYMMETRIES:
                 raise UnsupportedError(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Sequence
 from typing import Any, Final
@@ -49,8 +50,10 @@ def _grouped(expression: Expression, keys: set[Expression]) -> bool:
     return all(_grouped(part, keys) for part in children(expression))
 
 
-def grouped(matches: Sequence[Match], columns: Sequence[Column], examples: Examples) -> list[tuple[Any, ...]]:
-    """Return one row a group, in the order in which the groups appear.
+def grouped(
+    matches: Sequence[Match], columns: Sequence[Column], examples: Examples
+) -> list[tuple[tuple[Any, ...], Match]]:
+    """Return one row a group and its first match, in the order in which the groups appear.
 
     Without a column that is not aggregated there is one group, even of no matches.
     """
@@ -59,7 +62,10 @@ def grouped(matches: Sequence[Match], columns: Sequence[Column], examples: Examp
     for match in matches:
         values = tuple(hashable(value_of(column.expression, match, examples)) for column in keys)
         groups.setdefault(values, []).append(match)
-    return [tuple(_column(column, group, examples) for column in columns) for group in groups.values()]
+    return [
+        (tuple(_column(column, group, examples) for column in columns), group[0] if group else Match({}))
+        for group in groups.values()
+    ]
 
 
 def hashable(value: Any) -> Any:
@@ -67,6 +73,8 @@ def hashable(value: Any) -> Any:
     value = plain(value)
     if isinstance(value, list):
         return tuple(map(hashable, value))
+    if isinstance(value, dict):
+        return json.dumps(value, sort_keys=True)
     return (type(value).__name__, value) if isinstance(value, bool) else value
 
 

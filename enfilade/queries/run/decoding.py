@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from enfilade.descriptors import TOTAL
+from enfilade.schema.counts import TOTAL
 from enfilade.schema.definition import Kind
 from enfilade.schema.sqlite import counts_of
 

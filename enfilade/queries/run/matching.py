@@ -11,7 +11,7 @@ import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Final
 
-from enfilade.errors import StoreError
+from enfilade.errors import StoreError, UnsupportedError
 from enfilade.queries.compile_cypher import compile_cypher
 from enfilade.queries.compile_sql import compile_sql
 from enfilade.queries.compiler import Compiled, GivenIds, LikeIds, Search, Wanted
@@ -32,6 +32,9 @@ from .matches import Element, Match
 from .needs import split_conditions
 from .pruning import likened_nodes, one_of_each, scored, without_overlap
 from .values import value_of
+
+MOST_ROWS: Final = 2_000_000
+"""Rows of one statement that are read at most, for memory's sake."""
 
 _ROWS_BETWEEN_LOOKS: Final = 4096
 """Rows after which the clock is looked at."""
@@ -167,6 +170,8 @@ class Matcher:
             for number, row in enumerate(self._store.rows(text, parameters, timeout_s=self._deadline.left_s())):
                 if number % _ROWS_BETWEEN_LOOKS == 0 and self._deadline.passed():
                     raise self._deadline.reason()
+                if number == MOST_ROWS:
+                    raise UnsupportedError(f"the pattern has more than {MOST_ROWS:,} matches; make it narrower")
                 yield row
         except StoreError:
             if self._deadline.passed():
@@ -183,12 +188,14 @@ class Matcher:
 
     def _filled_value(self, value: Any, given: Mapping[str, list[str]]) -> Any:
         if isinstance(value, LikeIds):
-            ids = list(self._examples.within(value.likeness))
+            items: list[Any] = list(self._examples.within(value.likeness))
         elif isinstance(value, GivenIds):
-            ids = given[value.name]
+            items = given[value.name]
+        elif isinstance(value, tuple):
+            items = list(value)
         else:
             return value
-        return json.dumps(ids) if self._store.dialect == "sql" else ids
+        return json.dumps(items) if self._store.dialect == "sql" else items
 
     def _elements(self, search: Search, row: Sequence[Any]) -> dict[str, Element]:
         elements: dict[str, Element] = {}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -65,8 +66,8 @@ def rows_of(query: QueryGraph, matches: list[Match], named: Sequence[str], examp
         What like() refers to.
     """
     if _aggregated(query):
-        values = grouped(matches, query.columns, examples)
-        rows = [_Row(row, _key_of_values(query, row, examples), None) for row in values]
+        groups = grouped(matches, query.columns, examples)
+        rows = [_Row(values, _key_of_values(query, values, match, examples), None) for values, match in groups]
     else:
         rows = [_row(query, match, named, examples) for match in matches]
         if query.distinct:
@@ -84,7 +85,7 @@ def _aggregated(query: QueryGraph) -> bool:
 def _row(query: QueryGraph, match: Match, named: Sequence[str], examples: Examples) -> _Row:
     values = tuple(plain(value_of(column.expression, match, examples)) for column in query.columns)
     if query.distinct:
-        return _Row(values, _key_of_values(query, values, examples), match.building)
+        return _Row(values, _key_of_values(query, values, match, examples), match.building)
     asked = [_directed(value_of(k.expression, match, examples), k.descending) for k in query.order]
     score = () if query.order else (-match.score,)
     return _Row(values, (*asked, *score, ids_key(match, named), *map(sortable, values)), match.building)
@@ -97,11 +98,14 @@ def _distinct(rows: Iterable[_Row]) -> list[_Row]:
     return list(found.values())
 
 
-def _key_of_values(query: QueryGraph, values: tuple[Any, ...], examples: Examples) -> tuple[Any, ...]:
-    """Return what a row without a match of its own sorts by: ORDER BY, the score, then column by column."""
+def _key_of_values(query: QueryGraph, values: tuple[Any, ...], match: Match, examples: Examples) -> tuple[Any, ...]:
+    """Return what a row of many matches sorts by: ORDER BY, the score, then column by column.
+
+    `match` is one of them; what ORDER BY may take is the same in all.
+    """
     by_expression = {c.expression: value for c, value in zip(query.columns, values, strict=True)}
     asked = [
-        _directed(value_of(_with_columns(k.expression, by_expression), Match({}), examples), k.descending)
+        _directed(value_of(_with_columns(k.expression, by_expression), match, examples), k.descending)
         for k in query.order
     ]
     scores = [_directed(by_expression[score], True) for score in (Variable("score"),) if score in by_expression]
@@ -109,8 +113,8 @@ def _key_of_values(query: QueryGraph, values: tuple[Any, ...], examples: Example
 
 
 def _with_columns(expression: Expression, values: dict[Expression, Any]) -> Expression:
-    """Put in the values of columns; a property of a returned node is fetched as a column is."""
-    if expression in values:
+    """Put in the values of columns that are more than a name."""
+    if expression in values and not isinstance(expression, Variable):
         value = values[expression]
         return Literal(tuple(value) if isinstance(value, list) else value)
     return rebuilt(expression, lambda part: _with_columns(part, values))
@@ -128,6 +132,8 @@ def sortable(value: Any) -> tuple[bool, int, Any]:
         return True, 0, 0
     if isinstance(value, list):
         return False, 3, [sortable(item) for item in value]
+    if isinstance(value, dict):
+        return False, 4, json.dumps(value, sort_keys=True)
     if isinstance(value, str):
         return False, 0, value
     if isinstance(value, bool):
