@@ -8,7 +8,7 @@ from enfilade.descriptors import TOTAL, Layout
 from enfilade.ingest.objects import ObjectParameters, find_objects
 from enfilade.ingest.objects.combinations import combine, find_near
 from enfilade.ingest.objects.segments import connect, without_outliers
-from enfilade.ingest.records import Segment
+from enfilade.ingest.records import Opening, Segment
 
 LAYOUT = Layout()
 
@@ -161,3 +161,35 @@ def test_components_are_split_at_the_link_distance():
     far = connect(np.concatenate([block, block + np.array([0.3 + 2 * parameters.link_m, 0, 0])]), parameters)
     assert [len(group) for group in near] == [6000]
     assert [len(group) for group in far] == [3000, 3000]
+
+
+def test_a_stair_is_no_object():
+    """Six steps of 1 m, each 18 cm higher and 27 cm further on, with their risers."""
+    scene = furnished()
+    for step in range(6):
+        x, top = 0.6 + 0.27 * step, 0.18 * (step + 1)
+        scene.add(2, top, (x, 2.6), (x + 0.27, 3.6), 1, 0)
+        scene.add(0, x, (2.6, top - 0.18), (3.6, top), -1, 0, plane=False)
+    scene.scanners = [((1.2, 1.0, 1.8), 0), ((3.4, 1.4, 1.8), 0)]
+    assert objects_of(scene)[0].segments == ()
+
+
+def test_shelves_one_over_the_other_are_no_stair():
+    scene = furnished()
+    for board in range(6):
+        scene.block((1.0, 0.1, 0.3 + 0.2 * board), (2.0, 0.4, 0.32 + 0.2 * board), 0, plane=True)
+    scene.block((1.0, 0.1, 0.3), (1.02, 0.4, 1.4), 0)
+    found, _ = objects_of(scene)
+    assert sum(len(segment.points) for segment in found.segments) > 1000
+
+
+def test_the_leaf_of_a_closed_door_is_no_object():
+    scene = BoxScene()
+    scene.room(0, (0, 0, 0), (4, 4, 2.5), holes={"x1": [((1.0, 0.0), (1.9, 2.0))]})
+    scene.add(0, 4.06, (1.0, 0.0), (1.9, 2.0), -1, 0, plane=False)
+    scene.scanners = [((2.0, 2.0, 1.6), 0)]
+    cloud, surfels, planes, labels, rooms = scene.scan()
+    position, normal = np.array([4.0, 1.45, 1.0]), np.array([-1.0, 0.0, 0.0])
+    door = Opening("door", "horizontal", 0, None, position, normal, 0.9, 2.0, 0.0, 1.8, 0, "closed", 0.5)
+    assert len(find_objects(cloud, surfels, planes, labels, rooms).segments) == 1
+    assert find_objects(cloud, surfels, planes, labels, rooms, openings=[door]).segments == ()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 import numpy as np
@@ -12,8 +13,20 @@ from enfilade.descriptors import DEFAULT_LAYOUT, Layout
 from enfilade.ingest.objects.combinations import combine, describe_all, find_near
 from enfilade.ingest.objects.parameters import ObjectParameters
 from enfilade.ingest.objects.segments import connect, without_outliers
-from enfilade.ingest.objects.structure import Structure, find_structure, on_structure
-from enfilade.ingest.records import F64, I32, Bool, Objects, Planes, Room, RoomLabels, Segment, Surfels, ThinnedCloud
+from enfilade.ingest.objects.structure import Structure, find_structure, in_openings, on_structure
+from enfilade.ingest.records import (
+    F64,
+    I32,
+    Bool,
+    Objects,
+    Opening,
+    Planes,
+    Room,
+    RoomLabels,
+    Segment,
+    Surfels,
+    ThinnedCloud,
+)
 
 OUTSIDE_M: Final = 0.1
 """A segment may stand so far out of the room's outline."""
@@ -27,6 +40,8 @@ def find_objects(
     rooms: tuple[Room, ...],
     parameters: ObjectParameters | None = None,
     layout: Layout = DEFAULT_LAYOUT,
+    *,
+    openings: Sequence[Opening] = (),
 ) -> Objects:
     """Find what stands or hangs in the rooms (§6).
 
@@ -41,6 +56,8 @@ def find_objects(
         Sizes and thresholds.
     layout
         Bins of the descriptors.
+    openings
+        Doors and windows: their leaves, frames and panes are no objects.
 
     Returns
     -------
@@ -50,7 +67,16 @@ def find_objects(
     known = {room.number: room for room in rooms}
     structure = find_structure(surfels, planes, labels, known, chosen)
     loose = np.flatnonzero(_loose(cloud, surfels, planes, structure, chosen)).astype(np.int32)
-    segments = list(_segments(cloud, surfels, labels, known, structure, loose, chosen))
+    loose_in = _by_room(labels.after[surfels.point_surfel[loose]], loose)
+    opening_in: defaultdict[int | None, list[Opening]] = defaultdict(list)
+    for opening in openings:
+        opening_in[opening.room_a].append(opening)
+        opening_in[opening.room_b].append(opening)
+    segments: list[Segment] = []
+    for number in sorted(known):
+        members = loose_in.get(number, np.zeros(0, dtype=np.int32))
+        for group in _groups(cloud, members, known[number], structure, opening_in[number], surfels, chosen):
+            segments.append(_segment(len(segments), known[number], group, cloud.positions[group].astype(np.float64)))
     near = find_near(segments, cloud.positions, chosen)
     groups = combine(near, segments, chosen)
     described = tuple(describe_all(groups, segments, cloud.positions, known, layout))
@@ -71,31 +97,31 @@ def _loose(
     return np.asarray(usable[surfels.point_surfel], dtype=np.bool_)
 
 
-def _segments(
-    cloud: ThinnedCloud,
-    surfels: Surfels,
-    labels: RoomLabels,
-    rooms: Mapping[int, Room],
-    structure: Structure,
-    loose: I32,
-    parameters: ObjectParameters,
-) -> Iterator[Segment]:
-    room_of = labels.after[surfels.point_surfel[loose]]
+def _by_room(room_of: I32, points: I32) -> dict[int, I32]:
+    """Points of each room, found with one sort."""
     order = np.argsort(room_of, kind="stable")
-    room_sorted = room_of[order]
-    number = 0
-    for room in sorted(rooms.values(), key=lambda room: room.number):
-        low, high = np.searchsorted(room_sorted, [room.number, room.number + 1])
-        members = loose[order[low:high]]
-        positions = cloud.positions[members].astype(np.float64)
-        off = ~on_structure(positions, structure.sides.get(room.number, ()), room, surfels, parameters)
-        members, positions = members[off], positions[off]
-        kept = without_outliers(positions, parameters.outlier_neighbours, parameters.outlier_deviations)
-        members, positions = members[kept], positions[kept]
-        for group in connect(positions, parameters):
-            if _inside(positions[group], room):
-                yield _segment(number, room, members[group], positions[group])
-                number += 1
+    numbers, first = np.unique(room_of[order], return_index=True)
+    return dict(zip(numbers.tolist(), np.split(points[order], first[1:]), strict=True)) if len(points) else {}
+
+
+def _groups(
+    cloud: ThinnedCloud,
+    members: I32,
+    room: Room,
+    structure: Structure,
+    openings: Sequence[Opening],
+    surfels: Surfels,
+    parameters: ObjectParameters,
+) -> Iterator[I32]:
+    """Split the loose points of a room into those of its segments."""
+    positions = cloud.positions[members].astype(np.float64)
+    fixed = on_structure(positions, structure, room, surfels, parameters) | in_openings(positions, openings, parameters)
+    members, positions = members[~fixed], positions[~fixed]
+    kept = without_outliers(positions, parameters.outlier_neighbours, parameters.outlier_deviations)
+    members, positions = members[kept], positions[kept]
+    for group in connect(positions, parameters):
+        if _inside(positions[group], room):
+            yield members[group]
 
 
 def _segment(number: int, room: Room, members: I32, positions: F64) -> Segment:

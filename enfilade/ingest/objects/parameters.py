@@ -19,6 +19,8 @@ class ObjectParameters:
         Points this close to a wall, floor or ceiling belong to it.
     max_reveal_m
         How deep the reveals of doors and windows are.
+    max_riser_m
+        What lies so far under the tread of a stair belongs to the stair.
     ceiling_reach_m
         A side that ends closer to the ceiling than this is a wall; others are fronts and backs of furniture.
     floor_reach_m
@@ -54,6 +56,7 @@ class ObjectParameters:
     join_offset_m: float = 0.02
     clearance_m: float = 0.02
     max_reveal_m: float = 0.5
+    max_riser_m: float = 0.25
     ceiling_reach_m: float = 0.25
     floor_reach_m: float = 0.1
     min_headroom_m: float = 1.9

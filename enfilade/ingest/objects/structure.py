@@ -6,7 +6,7 @@ only if it is a wall that reaches the ceiling, a floor, a ceiling, or a large sl
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Final
@@ -15,11 +15,14 @@ import numpy as np
 from scipy import ndimage
 
 from enfilade.ingest.objects.parameters import ObjectParameters
-from enfilade.ingest.records import F64, I32, Bool, Planes, Room, RoomLabels, Surfels
-from enfilade.ingest.sides import Side, cut_by_room, join_patches
+from enfilade.ingest.objects.stairs import find_treads
+from enfilade.ingest.records import F64, I32, Bool, Opening, Planes, Room, RoomLabels, Surfels
+from enfilade.ingest.sides import Side, axes, cut_by_room, join_patches
 
 MASK_CELL_M: Final = 0.1
 AREA_CELL_M: Final = 0.1
+FRAME_M: Final = 0.06
+"""Width of the frame around the clear opening."""
 PLAN_CELL_M: Final = 0.25
 
 
@@ -32,11 +35,14 @@ class Structure:
     planes
         ``(P,) bool``.
     sides
-        By room.
+        By room: walls, floors, ceilings, slopes.
+    treads
+        By room: steps of stairs.
     """
 
     planes: Bool
     sides: Mapping[int, tuple[Side, ...]]
+    treads: Mapping[int, tuple[Side, ...]]
 
 
 def find_structure(
@@ -67,28 +73,28 @@ def find_structure(
     )
     is_structure = np.zeros(len(planes.offsets), dtype=bool)
     kept: dict[int, tuple[Side, ...]] = {}
+    steps: dict[int, tuple[Side, ...]] = {}
     for number, own in groupby(sides, key=lambda side: side.room):
         room, all_sides = rooms[number], list(own)
         level = [side for side in all_sides if not side.vertical and _is_level(side, room, surfels, parameters)]
         ceiling = _CeilingMap([side for side in level if side.normal[2] < 0], room, surfels)
         walls = [side for side in all_sides if side.vertical and _reaches_ceiling(side, ceiling, surfels, parameters)]
         kept[number] = (*level, *walls)
-        for side in kept[number]:
+        steps[number] = tuple(find_treads(all_sides, surfels))
+        for side in (*kept[number], *steps[number]):
             is_structure[list(side.planes)] = True
-    return Structure(is_structure, kept)
+    return Structure(is_structure, kept, steps)
 
 
-def on_structure(
-    points: F64, sides: tuple[Side, ...], room: Room, surfels: Surfels, parameters: ObjectParameters
-) -> Bool:
-    """Tell which points of a room lie on its structure, or in the reveal of a door or window.
+def on_structure(points: F64, structure: Structure, room: Room, surfels: Surfels, parameters: ObjectParameters) -> Bool:
+    """Tell which points of a room lie on its structure, in the reveal of a door or window, or right under a tread.
 
     Parameters
     ----------
     points
         ``(n, 3)`` metres.
-    sides
-        The structure of the room.
+    structure
+        Of all rooms.
     room
         The room.
     surfels
@@ -101,12 +107,46 @@ def on_structure(
     ``(n,) bool``.
     """
     on = np.abs(points[:, 2] - room.floor_elevation) < parameters.clearance_m
-    for side in sides:
+    depths = [
+        (side, parameters.max_reveal_m if side.vertical else parameters.clearance_m)
+        for side in structure.sides.get(room.number, ())
+    ]
+    depths += [(tread, parameters.max_riser_m) for tread in structure.treads.get(room.number, ())]
+    for side, behind in depths:
         depth = points @ side.normal - side.offset
-        behind = parameters.max_reveal_m if side.vertical else parameters.clearance_m
         close = np.flatnonzero((depth < parameters.clearance_m) & (depth > -behind) & ~on)
         on[close] = _Mask(side, surfels).covers(points[close])
     return on
+
+
+def in_openings(points: F64, openings: Iterable[Opening], parameters: ObjectParameters) -> Bool:
+    """Tell which points lie within the thickness of the wall in a door or window: leaf, frame, sill and glass.
+
+    Parameters
+    ----------
+    points
+        ``(n, 3)`` metres.
+    openings
+        Of the room that the points belong to; those in slabs are left out.
+    parameters
+        Depth of reveals.
+
+    Returns
+    -------
+    ``(n,) bool``.
+    """
+    inside = np.zeros(len(points), dtype=bool)
+    for opening in openings:
+        if opening.orientation == "horizontal":
+            u, v = axes(opening.normal)
+            apart = points - opening.position
+            half = np.array([opening.width, opening.height]) / 2 + FRAME_M
+            across = (np.abs(apart @ np.column_stack([u, v])) < half).all(axis=1)
+            depth = apart @ opening.normal
+            before = parameters.clearance_m if opening.room_b is None else parameters.max_reveal_m / 2
+            behind = parameters.max_reveal_m if opening.room_b is None else parameters.max_reveal_m / 2
+            inside |= across & (depth < before) & (depth > -behind)
+    return inside
 
 
 class _CeilingMap:

@@ -212,7 +212,7 @@ def _opening(
         sill=float(edges[1] - room.floor_elevation),
         area=width * height,
         ray_count=int((hole.beyond > parameters.max_inset_m).sum()),
-        state="open" if is_door and blind.passed > 0.7 else "closed",
+        state="open" if is_door and blind.passed > 0.5 else "closed",
         confidence=float(np.mean([hole.bounded.mean(), hole.fill, seen])) * (DOUBT if is_door else 1.0),
     )
 
