@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from itertools import count
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from enfilade.descriptors import quantise
 from enfilade.errors import GraphError, VersionError
 from enfilade.schema.checks import EDGE_WORDS, GRAPH_WORDS, NODE_WORDS
+from enfilade.schema.counts import quantise
 from enfilade.schema.definition import EDGE_PROPERTIES, NODE_PROPERTIES, Kind, Property
 from enfilade.schema.encoding import FORMAT, FORMAT_VERSION
 from enfilade.schema.graph import BuildingGraph, Edge, Node
@@ -160,10 +159,15 @@ def _number(value: Any, kind: Kind) -> Any:
 
 
 def _descriptor(value: Any, where: str) -> NDArray[np.uint16]:
-    numbers = isinstance(value, list) and all(type(part) in (int, float) for part in value)
-    if not numbers or not all(part >= 0 and math.isfinite(part) for part in value):
+    if not isinstance(value, list) or not set(map(type, value)) <= {int, float}:
+        raise GraphError(f"{where} must be a list of numbers")
+    try:
+        shares = np.array(value, dtype=np.float64)
+    except OverflowError as error:
+        raise GraphError(f"{where} must be a list of finite numbers, none below 0") from error
+    if not np.isfinite(shares).all() or (shares < 0).any():
         raise GraphError(f"{where} must be a list of finite numbers, none below 0")
-    total = math.fsum(value)
+    total = shares.sum()
     if abs(total - 1.0) > SUM_TOLERANCE:
         raise GraphError(f"{where} must sum to 1, not to {total:.6g}")
-    return quantise(value)
+    return quantise(shares)

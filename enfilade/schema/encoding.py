@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from enfilade.descriptors import TOTAL
+from enfilade.schema.counts import TOTAL
 from enfilade.schema.definition import EDGE_PROPERTIES, NODE_PROPERTIES
 from enfilade.schema.graph import BuildingGraph, Edge, Node
 

@@ -10,6 +10,7 @@ import gzip
 import json
 import zlib
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Any, Final, NoReturn
 
@@ -58,19 +59,33 @@ def read_graph(path: Path) -> BuildingGraph:
 
 
 def write_graph(graph: BuildingGraph, path: Path) -> None:
-    """Write one graph as ``.json``, in one step: a reader sees the old file or the new one."""
-    with replacing(path) as file:
+    """Write one graph as ``.json``, in one step: a reader sees the old file or the new one.
+
+    Raises
+    ------
+    GraphError
+        If the file cannot be written; it is then as it was.
+    """
+    with _telling(path), replacing(path) as file:
         file.writelines(encode(graph))
 
 
 def write_graphs(graphs: Iterable[BuildingGraph], path: Path) -> None:
-    """Write many graphs as ``.jsonl`` or ``.jsonl.gz``, one a line, in one step."""
-    with replacing(path) as file:
+    """Write many graphs as ``.jsonl`` or ``.jsonl.gz``, one a line, in one step. Raises as `write_graph`."""
+    with _telling(path), replacing(path) as file:
         if path.suffix == ".gz":
             with gzip.GzipFile(filename="", mode="wb", fileobj=file, mtime=0) as packed:
                 _write_lines(graphs, packed)
         else:
             _write_lines(graphs, file)
+
+
+@contextmanager
+def _telling(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise GraphError(f"{path} cannot be written: {error.strerror}") from error
 
 
 def _write_lines(graphs: Iterable[BuildingGraph], file: IO[bytes] | gzip.GzipFile) -> None:

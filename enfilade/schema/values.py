@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from enfilade.descriptors import TOTAL
+from enfilade.schema.counts import TOTAL
 from enfilade.schema.definition import Kind, Property
 
 MAX_DEPTH: Final = 50

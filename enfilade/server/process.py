@@ -79,7 +79,10 @@ def start(
     with _alone(place):
         running = _alive(place)
         if running is None:
-            running = _launch(place, _with_free_ports(settings), progress)
+            try:
+                running = _launch(place, _with_free_ports(settings), progress)
+            except OSError as error:
+                raise ServerError(f"{error.filename or place.folder} cannot be used: {error.strerror}") from error
         return _status(place, running)
 
 

@@ -223,7 +223,8 @@ _CAUSES: Final = {
     ),
     "Statement.AccessMode": "is only read here, nothing may be written",
     "General.MemoryPoolOutOfMemoryError": (
-        "has too little memory for the transaction; raise dbms.memory.transaction.total.max or the heap"
+        "has too little memory for so large a transaction; give it more heap "
+        '("enfilade server start --heap-mb 2048" after a stop)'
     ),
 }
 

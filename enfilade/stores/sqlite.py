@@ -56,7 +56,7 @@ class SQLiteStore(Store):
         self._path = path
         self._readers: list[sqlite3.Connection] = []
         self._lock = threading.Lock()
-        if not create and not path.exists():
+        if not create and not _exists(path):
             raise StoreError(f"there is no store {path}; ingest or import a building first")
         self._writer = self._open(create=create)
 
@@ -212,6 +212,13 @@ class SQLiteStore(Store):
             yield
         except sqlite3.Error as error:
             raise StoreError(f"{self._path} {_cause(error)}") from error
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except OSError as error:
+        raise StoreError(f"{path} cannot be opened: {error.strerror}") from error
 
 
 @contextmanager

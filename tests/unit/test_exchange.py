@@ -154,8 +154,11 @@ FAULTS: dict[str, tuple[Callable[[Document], Any], str]] = {
     "twice the same id": (_set("hotel/r1", id="hotel/r0"), "two nodes have the id 'hotel/r0'"),
     "descriptor sum": (_set("hotel/o1", descriptor=[0.5] * 8), "must sum to 1, not to 4"),
     "descriptor below 0": (_set("hotel/o1", descriptor=[-1.0, 2.0] + [0] * 6), "none below 0"),
-    "descriptor of texts": (_set("hotel/o1", descriptor=["a"] * 8), "list of finite numbers"),
-    "descriptor is true": (_set("hotel/o1", descriptor=[True] + [0] * 7), "list of finite numbers"),
+    "descriptor of texts": (_set("hotel/o1", descriptor=["a"] * 8), "must be a list of numbers"),
+    "descriptor is true": (_set("hotel/o1", descriptor=[True] + [0] * 7), "must be a list of numbers"),
+    "descriptor is empty": (_set("hotel/o1", descriptor=[]), "must sum to 1, not to 0"),
+    "descriptor beyond numbers": (_set("hotel/o1", descriptor=[10**400] + [0] * 7), "list of finite numbers"),
+    "descriptor without end": (_set("hotel/o1", descriptor=[1e400] + [0] * 7), "Infinity"),
     "descriptor length": (_set("hotel/o1", descriptor=[1.0, 0.0]), 'has 2 bins, "descriptor_shape" says 8'),
     "no shape": (lambda d: d["graph"].pop("descriptor_shape"), 'no "descriptor_shape"'),
     "shape of two": (lambda d: d["graph"].update(descriptor_shape=[2, 4]), "three numbers"),
@@ -243,3 +246,11 @@ def test_one_graph_is_wanted(tmp_path: Path, hotel: BuildingGraph) -> None:
         read_graph(tmp_path / "two.jsonl")
     with pytest.raises(GraphError, match="no building"):
         read_graph(tmp_path / "none.jsonl")
+
+
+def test_a_place_that_cannot_be_written_is_said(tmp_path: Path, hotel: BuildingGraph) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(GraphError, match="cannot be written"):
+        write_graph(hotel, tmp_path / "file" / "graph.json")
+    with pytest.raises(GraphError, match="cannot be written"):
+        write_graphs([hotel], tmp_path / "file" / "graph.jsonl")

@@ -98,6 +98,12 @@ def test_a_missing_store_is_only_made_when_asked(tmp_path: Path) -> None:
     SQLiteStore(tmp_path / "a.db", create=False).close()
 
 
+def test_a_name_that_no_file_can_have_is_said(tmp_path: Path) -> None:
+    for create in (True, False):
+        with pytest.raises(StoreError, match="cannot be opened"):
+            SQLiteStore(tmp_path / ("x" * 300), create=create)
+
+
 def test_a_missing_folder_is_said(tmp_path: Path) -> None:
     with pytest.raises(StoreError, match="its folder exists"):
         SQLiteStore(tmp_path / "no" / "a.db")
