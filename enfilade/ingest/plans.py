@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .outlines import Outline, OutlineParameters, draw_outline
 from .records import F32, I32, Bool, Plan, Planes, RoomLabels, Surfels, ThinnedCloud
+from .structure import Structure
 
 I64 = NDArray[np.int64]
+_ABOVE_FLOOR_M: Final = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,30 +25,32 @@ class RoomPlanParameters:
     least_height_m
         A ceiling is at least so far above the floor.
     lintel_m
-        Height of the strip under the ceiling that tells the plan: above doors, windows and furniture.
+        Height of the strip under the ceiling that tells where walls are: above doors, windows and furniture.
     least_ceiling
-        Share of the whole plan that the plan from under the ceiling must cover to be used.
+        Share of the outline by all that the one by ceiling must cover to be used.
     outline
         How outlines are drawn.
     """
 
     least_height_m: float = 1.5
     lintel_m: float = 0.35
-    least_ceiling: float = 0.6
+    least_ceiling: float = 0.5
     outline: OutlineParameters = field(default_factory=OutlineParameters)
 
 
 @dataclass(frozen=True, slots=True)
 class _Parts:
-    """The surfels of one room, ``(n, ...)``: where, on which plane, from where, and whether by a scan of the room."""
+    """The surfels of one room, ``(n, ...)``.
+
+    Where they are, on which plane, from where they were seen, whether by a scan of the room, whether level with a
+    roof above.
+    """
 
     positions: F32
     plane: I32
     scanners: F32
     seen_here: Bool
-
-    def take(self, chosen: Bool) -> _Parts:
-        return _Parts(self.positions[chosen], self.plane[chosen], self.scanners[chosen], self.seen_here[chosen])
+    roofed: Bool
 
 
 def draw_plans(
@@ -54,10 +59,17 @@ def draw_plans(
     planes: Planes,
     labels: RoomLabels,
     parameters: RoomPlanParameters = RoomPlanParameters(),
+    *,
+    by_floors: bool = True,
 ) -> tuple[Plan, ...]:
-    """Draw the plan of every room, in order of number."""
+    """Draw the plan of every room, in order of number.
+
+    `by_floors` says whether floors under a roof count besides ceilings: not for a draft, before `keep_inside` has
+    put right the labels of floors near wide doors.
+    """
     order = np.argsort(labels.after, kind="stable")
     ends = np.cumsum(np.bincount(labels.after + 1, minlength=labels.room_count + 1))
+    roofed = _roofed(surfels, planes) if by_floors else np.zeros(len(surfels.positions), bool)
     plans = []
     for number in range(labels.room_count):
         members = order[ends[number] : ends[number + 1]]
@@ -67,6 +79,7 @@ def draw_plans(
             planes.surfel_plane[members],
             cloud.scanner_positions[scan],
             labels.scan_room[scan] == number,
+            roofed[members],
         )
         plans.append(_plan(parts, planes, cloud.scanner_positions[labels.scan_room == number], parameters))
     return tuple(plans)
@@ -104,22 +117,37 @@ def _ceiling(planes: Planes, parts: _Parts, lowest: float) -> float | None:
     return float(parts.positions[downward & (parts.plane == ceiling), 2].mean(dtype=np.float64))
 
 
+def _roofed(surfels: Surfels, planes: Planes) -> Bool:
+    """``(M,)``: level surfels that face up and have structure above them."""
+    upward = np.flatnonzero(_on(planes.horizontal & (planes.normals[:, 2] > 0.0), planes.surfel_plane))
+    starts = surfels.positions[upward] + np.array([0.0, 0.0, _ABOVE_FLOOR_M], np.float32)
+    upwards = np.tile(np.array([[0.0, 0.0, 1.0]], np.float32), (len(upward), 1))
+    roofed = np.zeros(len(surfels.positions), bool)
+    roofed[upward] = Structure(planes).cast(starts, upwards).front
+    return roofed
+
+
 def _outline(planes: Planes, parts: _Parts, ceiling: float | None, parameters: RoomPlanParameters) -> Outline:
-    """Outline under the ceiling, where no furniture hides and no window shows anything; else of the whole room."""
+    """Outline by ceiling, roofed floor and what is seen just under the ceiling, or by all where that tells little.
+
+    So neither furniture hides a part of the room nor is the ground taken for it that a window shows.
+    """
     wall = _on(planes.vertical, parts.plane)
+    everything = np.ones(len(wall), bool)
     if ceiling is None:
-        return _drawn(parts, np.ones(len(wall), bool), wall, parameters.outline)
+        return _drawn(parts, everything, wall, everything, parameters.outline)
     level = _on(planes.horizontal, parts.plane)
     strip = parts.positions[:, 2] > ceiling - parameters.lintel_m
-    whole = _drawn(parts, level, wall & strip, parameters.outline)
-    if not (level & strip).any():
+    whole = _drawn(parts, level, wall & strip, everything, parameters.outline)
+    covered = (level & strip) | parts.roofed
+    if not covered.any():
         return whole
-    upper = _drawn(parts.take(strip), level[strip], wall[strip], parameters.outline)
+    upper = _drawn(parts, covered, wall & strip, strip | parts.roofed, parameters.outline)
     return upper if upper.area >= parameters.least_ceiling * whole.area else whole
 
 
-def _drawn(parts: _Parts, level: Bool, wall: Bool, parameters: OutlineParameters) -> Outline:
-    seen = parts.seen_here
+def _drawn(parts: _Parts, level: Bool, wall: Bool, tells: Bool, parameters: OutlineParameters) -> Outline:
+    seen = parts.seen_here & tells
     return draw_outline(
         parts.positions[level, :2],
         parts.positions[wall, :2],

@@ -64,7 +64,7 @@ def find_openings(
     passages = without_rivals(group_holes(framed, rays, known, chosen), doors, chosen.max_gap_m)
     openings += open_walls(passages, rays, known, neighbours, chosen)
     slabs = group_holes([hole for hole in holes if hole.side.horizontal], rays, known, chosen)
-    openings += [stairs for group in slabs if (stairs := open_slab(group, rays, known, chosen)) is not None]
+    openings += [stairs for group in slabs if (stairs := open_slab(group, rays, known, surfels, chosen)) is not None]
     openings += open_blind(blind, walls, known, openings, surfels, Sight(surfels, rays), chosen)
     return tuple(sorted(openings, key=_order))
 

@@ -8,15 +8,22 @@ from typing import Final
 import numpy as np
 import shapely
 
+from enfilade.ingest.openings.holes import Hole
 from enfilade.ingest.openings.leads import Group, through
 from enfilade.ingest.openings.parameters import OpeningParameters
 from enfilade.ingest.openings.rays import Rays
 from enfilade.ingest.openings.walls import confidence
-from enfilade.ingest.records import F64, Opening, Room
+from enfilade.ingest.records import F64, Opening, Room, Surfels
 from enfilade.ingest.sides import UP, Side
 
 MAX_HATCH_M: Final = 1.1
 """Longest side of a hatch; a stair needs more."""
+
+MAX_WELL_M2: Final = 8.0
+"""A hole in a floor larger than this is a void beside the stairs, too."""
+
+LEAST_SURFELS: Final = 50
+"""Fewest surfels on treads that tell where the stairs are."""
 
 HULL_M: Final = 0.2
 """How far the middle of a hole may lie outside of the plan of its room."""
@@ -28,7 +35,9 @@ def floor_sides(rooms: Mapping[int, Room]) -> list[Side]:
     return [_floor(room) for _, room in sorted(rooms.items()) if room.floor_elevation > lowest]
 
 
-def open_slab(group: Group, rays: Rays, rooms: Mapping[int, Room], parameters: OpeningParameters) -> Opening | None:
+def open_slab(
+    group: Group, rays: Rays, rooms: Mapping[int, Room], surfels: Surfels, parameters: OpeningParameters
+) -> Opening | None:
     """Turn the holes that join two rooms through a floor into one opening.
 
     Parameters
@@ -37,6 +46,8 @@ def open_slab(group: Group, rays: Rays, rooms: Mapping[int, Room], parameters: O
         Holes in floors, with the rooms that they lead to.
     rays, rooms, parameters
         As for walls.
+    surfels
+        In a void larger than stairs need, the treads among them tell where the stairs are.
 
     Returns
     -------
@@ -50,13 +61,14 @@ def open_slab(group: Group, rays: Rays, rooms: Mapping[int, Room], parameters: O
     ray = through(group, rays)
     if hole.width * hole.height * hole.fill < parameters.min_stairs_area_m2 or len(ray) < parameters.min_rays:
         return None
-    width, height = sorted((hole.width, hole.height))
+    (left, bottom), (right, top) = _stairwell(hole, lower, upper, surfels)
+    width, height = sorted((right - left, top - bottom))
     return Opening(
         kind="hatch" if height <= MAX_HATCH_M else "stairs",
         orientation="vertical",
         room_a=group.pair[0],
         room_b=group.pair[1],
-        position=hole.centre,
+        position=hole.side.point((left + right) / 2, (bottom + top) / 2),
         normal=UP.copy(),
         width=width,
         height=height,
@@ -66,6 +78,21 @@ def open_slab(group: Group, rays: Rays, rooms: Mapping[int, Room], parameters: O
         state="open",
         confidence=confidence(group, len(ray), hole.bounded),
     )
+
+
+def _stairwell(
+    hole: Hole, lower: Room, upper: Room, surfels: Surfels
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return the corners of a hole, or of the treads in the upper half of it if it is a larger void."""
+    low, high = hole.edges[:2], hole.edges[2:]
+    if hole.width * hole.height > MAX_WELL_M2:
+        half_way = (lower.floor_elevation + upper.floor_elevation) / 2
+        level, place = surfels.positions[:, 2], surfels.positions[:, :2].astype(np.float64)
+        tread = (level > half_way) & (level < upper.floor_elevation - 0.1) & (surfels.normals[:, 2] > 0.9)
+        tread &= ((place > low + 0.1) & (place < high - 0.1)).all(axis=1)
+        if np.count_nonzero(tread) > LEAST_SURFELS:
+            low, high = np.percentile(place[tread], [1, 99], axis=0)
+    return (float(low[0]), float(low[1])), (float(high[0]), float(high[1]))
 
 
 def _over(place: F64, room: Room) -> bool:

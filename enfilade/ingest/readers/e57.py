@@ -45,9 +45,8 @@ def _read_scan(file: pye57.E57, index: int, path: Path) -> Scan:
     header = file.get_header(index)
     name = _name(header, index, path)
     rotation, translation = _pose(header, f"scan {name!r} of {path}")
-    points = _local_points(file, header, f"scan {name!r} of {path}") @ rotation.T
-    points += translation
-    return Scan(name, path.name, points, translation)
+    local = _local_points(file, header, f"scan {name!r} of {path}")
+    return Scan(name, path.name, np.einsum("ij,kj->ik", local, rotation) + translation, translation)
 
 
 def _name(header: Any, index: int, path: Path) -> str:
