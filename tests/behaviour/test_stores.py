@@ -283,6 +283,25 @@ def test_a_building_goes_from_store_to_store_and_back(store: Store, hotel: Build
         assert b"".join(encode(store.read("hotel"))) == b"".join(encode(other.read("hotel")))
 
 
+def test_a_copy_takes_the_clouds_along(store: Store, hotel: BuildingGraph, tmp_path: Path) -> None:
+    labels = {name: np.arange(3, dtype=np.int32) for name in ("storey", "room", "object", "plane", "scan")}
+    cloud = LabelledCloud(positions=np.eye(3), **labels)
+    source = Archive(store, tmp_path / "source")
+    source.save(hotel, cloud)
+    store.write(building("annexe"))
+    with open_store(f"sqlite:{tmp_path / 'copy.db'}") as other:
+        target = Archive(other, tmp_path / "target")
+        with pytest.raises(NotFoundError, match="nowhere"):
+            copy_buildings(source, target, ["hotel", "nowhere"])
+        assert other.buildings() == []
+        assert copy_buildings(source, target) == ["annexe", "hotel"]
+        assert other.read("hotel") == store.read("hotel") == hotel
+        copied = target.cloud("hotel")
+        assert copied is not None
+        assert np.array_equal(copied.positions, cloud.positions)
+        assert target.cloud("annexe") is None
+
+
 def test_the_address_opens_the_same_store(store: Store, hotel: BuildingGraph, request: pytest.FixtureRequest) -> None:
     store.write(hotel)
     ask = None
