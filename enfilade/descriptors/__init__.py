@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from enfilade.schema.counts import TOTAL, quantise
+
 from .distance import best_turn, distances
 from .histogram import describe
-from .layout import DEFAULT_LAYOUT, PAPER_LAYOUT, TOTAL, Layout, quantise
+from .layout import DEFAULT_LAYOUT, PAPER_LAYOUT, Layout
 from .shapes import Shape, read_shape
 from .views import Viewing, mesh_views, sample_surface
 

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .layout import TOTAL
+from enfilade.schema.counts import TOTAL
 
 _FIXED_POINT: Final = 2.0**36
 """Terms are rounded to multiples of 2⁻³⁶ counts: their sum is below 2⁵³ of them, so it is exact in any order."""

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .layout import DEFAULT_LAYOUT, Layout, quantise
+from enfilade.schema.counts import quantise
+
+from .layout import DEFAULT_LAYOUT, Layout
 
 F64 = NDArray[np.float64]
 

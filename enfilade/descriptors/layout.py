@@ -1,18 +1,9 @@
-"""How a descriptor divides space, and the counts that it is kept in."""
+"""How a descriptor divides space."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Final
-
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
-TOTAL: Final = 61440
-"""Sum of a descriptor's counts: 2¹²·3·5, so that halves, thirds, fifths and tenths are whole counts."""
-
-_ROUNDING: Final = 1e-9
-"""Counts closer than this to a whole one are that one: far above float64's noise, far below a count."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,36 +53,3 @@ PAPER_LAYOUT: Final = Layout(
     slices=8, slice_height_m=0.25, shells=6, shell_width_m=0.2, sectors=12, cell_m=0.0, annulus_weight=True
 )
 """Eqs. 8-10 as printed, with the annulus weight that Eq. 8 means; for comparison."""
-
-
-def quantise(values: ArrayLike) -> NDArray[np.uint16]:
-    """Turn the values of a histogram into counts that sum to `TOTAL`, by largest remainder.
-
-    Equal remainders are served in order of bins. What `TOTAL` divides comes back exactly:
-    ``quantise(counts / TOTAL)`` is ``counts``.
-
-    Parameters
-    ----------
-    values
-        ``(bins,)``, finite, none negative, not all zero; any scale.
-
-    Returns
-    -------
-    numpy.ndarray
-        ``(bins,) uint16``.
-
-    Raises
-    ------
-    ValueError
-        If the values are no histogram.
-    """
-    given = np.asarray(values, dtype=np.float64)
-    total = given.sum()
-    if given.ndim != 1 or not np.isfinite(total) or total <= 0 or given.min() < 0:
-        raise ValueError("a histogram has one dimension, finite values, none negative, and not only zeros")
-    exact = given * TOTAL / total
-    counts = np.floor(exact + _ROUNDING)
-    remainders = np.round(exact - counts, 9)
-    missing = TOTAL - int(counts.sum())
-    counts[np.argsort(-remainders, kind="stable")[:missing]] += 1
-    return np.asarray(counts, dtype=np.uint16)
