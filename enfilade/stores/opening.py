@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Final
 from urllib.parse import SplitResult, unquote, urlsplit
 
-from enfilade import server
 from enfilade.errors import StoreError
 from enfilade.stores.base import Store
 from enfilade.stores.sqlite import SQLiteStore
@@ -54,7 +53,9 @@ def open_store(url: str, *, create: bool = True, ask: Callable[[str], str] | Non
 
 
 def _open_neo4j(url: str, *, create: bool, ask: Callable[[str], str] | None) -> Store:
-    from enfilade.stores.neo4j import DEFAULT_DATABASE, Neo4jStore  # the driver takes a while to import
+    # The driver takes a while to import, and so does what runs the local server.
+    from enfilade import server
+    from enfilade.stores.neo4j import DEFAULT_DATABASE, Neo4jStore
 
     parts = urlsplit(url)
     if parts.password is not None:
@@ -63,7 +64,7 @@ def _open_neo4j(url: str, *, create: bool, ask: Callable[[str], str] | None) -> 
     user = unquote(parts.username or server.USER)
     address = f"{parts.scheme}://{f'[{host}]' if ':' in host else host}:{port}"
     database = unquote(parts.path.strip("/")) or DEFAULT_DATABASE
-    password = _password(url, host, port, ask)
+    password = os.environ.get(PASSWORD_VARIABLE) or server.local_password(host, port) or _asked(url, ask)
     return Neo4jStore(address, user, password, database=database, create=create)
 
 
@@ -77,11 +78,7 @@ def _host_and_port(parts: SplitResult) -> tuple[str, int]:
     return host, port or NEO4J_PORT
 
 
-def _password(url: str, host: str, port: int, ask: Callable[[str], str] | None) -> str:
-    """Return the password from the environment, the local server, or whoever asks for it."""
-    given = os.environ.get(PASSWORD_VARIABLE) or server.local_password(host, port)
-    if given:
-        return given
+def _asked(url: str, ask: Callable[[str], str] | None) -> str:
     if ask is None:
         raise StoreError(f"{url} needs a password; set {PASSWORD_VARIABLE}")
     return ask(url)
