@@ -9,10 +9,11 @@ from pathlib import Path
 import click
 from rich.tree import Tree
 
-from enfilade.cli.terminal import ERR, OUT, counted, open_archive, print_table, show_value
+from enfilade.cli.terminal import ERR, OUT, counted, open_archive, print_table, progress_bars, show_value
 from enfilade.errors import InputError
 from enfilade.schema.exchange import read_graphs, write_graph
 from enfilade.schema.graph import BuildingGraph
+from enfilade.stores.archive import copy_buildings
 
 ROOM_COLUMNS = ("room", "name", "storey", "area m²", "height m", "floor m", "openings", "objects", "scans")
 
@@ -146,7 +147,6 @@ def copy_command(ctx: click.Context, buildings: tuple[str, ...], target: str) ->
     """Copy buildings into another store; all, if none is named."""
     source = open_archive(ctx)
     destination = open_archive(ctx, create=True, url=target)
-    names = buildings or tuple(summary.id for summary in source.store.buildings())
-    for name in names:
-        destination.save(source.store.read(name), source.cloud(name))
-    ERR.print(f"Copied {counted(len(names), 'building')} into {destination.store.url}", markup=False)
+    with progress_bars() as bars:
+        copied = copy_buildings(source, destination, buildings or None, progress=bars)
+    ERR.print(f"Copied {counted(len(copied), 'building')} into {destination.store.url}", markup=False)

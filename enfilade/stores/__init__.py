@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from .base import BuildingSummary, DescriptorTable, Store
-from .copying import copy
 from .opening import DEFAULT_URL, open_store
 
-__all__ = ["DEFAULT_URL", "BuildingSummary", "DescriptorTable", "Store", "copy", "open_store"]
+__all__ = ["DEFAULT_URL", "BuildingSummary", "DescriptorTable", "Store", "open_store"]

@@ -8,14 +8,21 @@ a graph never points to another version's points.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
+from typing import Final
 
-from enfilade.clouds import LabelledCloud, read_cloud, write_cloud
+import numpy as np
+
+from enfilade.clouds import LABELS, LabelledCloud, read_cloud, write_cloud
 from enfilade.errors import NotFoundError
+from enfilade.progress import Progress, Silent
 from enfilade.schema.graph import BuildingGraph
 from enfilade.stores.base import Store
+
+_SILENT: Final = Silent()
 
 
 def default_clouds_folder(store: Store) -> Path:
@@ -24,11 +31,13 @@ def default_clouds_folder(store: Store) -> Path:
     return Path(rest).with_suffix(".clouds") if scheme == "sqlite" else Path("enfilade.clouds")
 
 
-def cloud_file_name(building: str, content_hash: str) -> str:
-    """Return a file name that any file system takes, different for every building and version."""
+def cloud_file_name(building: str, cloud: LabelledCloud) -> str:
+    """Return a file name that any file system takes, another for every building and for any change in its points."""
     readable = re.sub(r"[^A-Za-z0-9._-]+", "-", building).strip("-.")[:60] or "building"
-    digest = sha256(f"{building}\0{content_hash}".encode("utf-8", "surrogatepass")).hexdigest()
-    return f"{readable}-{digest[:16]}.ply"
+    digest = sha256(building.encode("utf-8", "surrogatepass"))
+    for column in (cloud.positions, *(getattr(cloud, label) for label in LABELS)):
+        digest.update(np.ascontiguousarray(column))
+    return f"{readable}-{digest.hexdigest()[:16]}.ply"
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +61,7 @@ class Archive:
         root = graph.nodes[graph.building]
         root.properties.pop("cloud", None)
         if cloud is not None:
-            name = cloud_file_name(graph.building, str(root.properties.get("content_hash", "")))
+            name = cloud_file_name(graph.building, cloud)
             self.clouds.mkdir(parents=True, exist_ok=True)
             write_cloud(self.clouds / name, cloud)
             root.properties["cloud"] = name
@@ -87,3 +96,39 @@ class Archive:
         name = properties.get("cloud")
         # A graph made elsewhere may say anything here; only a plain file name stays inside the folder.
         return name if isinstance(name, str) and name == Path(name).name and name.endswith(".ply") else None
+
+
+def copy_buildings(
+    source: Archive, target: Archive, buildings: Sequence[str] | None = None, *, progress: Progress = _SILENT
+) -> list[str]:
+    """Copy buildings with their clouds, each in one transaction; one that is there already is replaced.
+
+    Parameters
+    ----------
+    source, target
+        From where and to where.
+    buildings
+        Ids, or None for all.
+    progress
+        Hears of each building.
+
+    Returns
+    -------
+    list of str
+        The ids copied, in order.
+
+    Raises
+    ------
+    NotFoundError
+        If the source lacks one of the buildings; then none is copied.
+    """
+    known = {summary.id: None for summary in source.store.buildings()}
+    ids = list(known if buildings is None else dict.fromkeys(buildings))
+    missing = next((id for id in ids if id not in known), None)
+    if missing is not None:
+        raise NotFoundError(f'there is no building "{missing}" in {source.store.url}; nothing was copied')
+    progress.start("copy", len(ids))
+    for id in ids:
+        target.save(source.store.read(id), source.cloud(id))
+        progress.advance()
+    return ids
