@@ -150,3 +150,18 @@ def test_order_of_points_makes_no_difference():
     (two,) = find_openings(other_cloud, other_surfels, planes, labels, rooms, neighbours)
     assert (one.room_a, one.room_b, one.ray_count, one.kind) == (two.room_a, two.room_b, two.ray_count, two.kind)
     assert one.width == pytest.approx(two.width, abs=1e-9)
+
+
+def test_stairs_in_a_larger_void_are_where_the_treads_are():
+    hole = ((0.3, 0.3), (4.7, 2.7))
+    scene = BoxScene()
+    scene.room(0, (0, 0, 0), (6, 3, 2.5), holes={"z1": [hole]})
+    scene.room(1, (0, 0, 2.8), (6, 3, 5.3), holes={"z0": [hole]})
+    for step in range(10):
+        x = 0.6 + 0.27 * step
+        scene.add(2, 0.25 * (step + 1), (x, 0.5), (x + 0.27, 1.5), 1, 0)
+    scene.scanners = [((3, 2.3, 1.5), 0), ((5.3, 1.5, 4.3), 1)]
+    (stairs,), *_ = openings_of(scene)
+    assert stairs.kind == "stairs"
+    assert stairs.width < 1.1
+    np.testing.assert_allclose(stairs.position[:2], [2.4, 1.0], atol=0.35)
