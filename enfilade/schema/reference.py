@@ -32,6 +32,26 @@ In a question `-[:DOOR]-`, `-[:PASSAGE]-`, `-[:STAIRS]-`, `-[:HATCH]-`, `-[:WIND
 rooms stand for `-[:OPENS]->(:Opening)<-[:OPENS]-`.
 """
 
+_STORED = """\
+## In the stores
+
+What is here beside the above is for keeping, not for asking.
+
+| | SQLite | Neo4j |
+| --- | --- | --- |
+| node | a row of the table of its label (`room`) | a node with one label (`Room`) |
+| edge | a row of the table of its type (`opens`), `source` and `target` are the `pk` of its ends | a relationship |
+| order in the graph | `pk` | `sequence` |
+| tells parallel edges apart | `key` | `key` |
+| list of numbers or texts | JSON text | list |
+| rings, mapping | JSON text | JSON text |
+| descriptor | bytes: counts as little-endian uint16 | the same, as a byte array |
+| properties not listed here | `extra`, a JSON object | `extra`, a JSON object |
+| of the graph as a whole | `descriptor_shape`, `attributes` of `building` | the same, of `Building` |
+| schema version | `PRAGMA user_version` | `(:EnfiladeSchema {version})` |
+| writers take turns | by SQLite's lock | on `(:EnfiladeWriter)` |
+"""
+
 
 def reference() -> str:
     """Return the page, in Markdown."""
@@ -39,7 +59,7 @@ def reference() -> str:
     parts += [_node(node) for node in NODE_TYPES]
     parts += ["## Edges\n", _edge_table(EDGE_TYPES)]
     parts += [_edge(edge) for edge in EDGE_TYPES if edge.properties]
-    return "\n".join(parts)
+    return "\n".join([*parts, _STORED])
 
 
 def _node(node: NodeType) -> str:
