@@ -44,6 +44,8 @@ class RoomParameters:
         Nearest viewpoints that are asked whether they see a node.
     view_m
         How far a viewpoint sees.
+    close_doors_m
+        Openings under a lintel up to this height do not let rays pass; 0 lets them, as in the paper.
     below_floor_m
         What lies further below the floor of a room than this is not of the room.
     iterations
@@ -56,6 +58,7 @@ class RoomParameters:
     rays: int = 24
     viewpoints: int = 12
     view_m: float = 25.0
+    close_doors_m: float = 2.4
     below_floor_m: float = 0.5
     iterations: int = 2
     least_surfels: int = 1600
@@ -106,7 +109,7 @@ def label_rooms(
     itself starts from the rooms of all the viewpoints that see a node, which are under the ceiling and so look
     into the next room much less than the scanners did.
     """
-    structure = Structure(planes)
+    structure = Structure(planes, close_doors_m=parameters.close_doors_m)
     nodes = gather_nodes(surfels, planes, parameters.node_m)
     starts, normals = ray_starts(surfels, planes)
     middles = nodes.members[(nodes.starts[:-1] + nodes.starts[1:]) // 2]

@@ -38,11 +38,22 @@ class Hits:
 
 
 class Structure:
-    """Occupied bitmap cells of planes, ready for ray casting."""
+    """Occupied bitmap cells of planes, ready for ray casting.
 
-    def __init__(self, planes: Planes) -> None:
+    Parameters
+    ----------
+    planes
+        The planes with their bitmaps.
+    close_doors_m
+        Openings in walls up to this height are closed if there is wall above them; 0 leaves all open.
+    """
+
+    def __init__(self, planes: Planes, *, close_doors_m: float = 0.0) -> None:
         o3d = open3d()
-        rectangles = [_rectangles(bitmap) for bitmap in planes.bitmaps]
+        rectangles = [
+            _rectangles(_doors_closed(bitmap, close_doors_m) if vertical else bitmap.occupancy > OCCUPIED)
+            for bitmap, vertical in zip(planes.bitmaps, planes.vertical, strict=True)
+        ]
         self._normals = planes.normals
         self._plane = np.repeat(np.arange(len(rectangles), dtype=np.int32), [len(r) for r in rectangles])
         corners = [_corners(b, r) for b, r in zip(planes.bitmaps, rectangles, strict=True) if len(r)]
@@ -74,12 +85,27 @@ class Structure:
         return np.asarray(occluded.numpy(), bool)
 
 
-def _rectangles(bitmap: Bitmap) -> I64:
+def _doors_closed(bitmap: Bitmap, height_m: float) -> Bool:
+    """Occupied cells of a wall, with the gaps up to a height filled in each column that goes on above them."""
+    occupied = bitmap.occupancy > OCCUPIED
+    if height_m <= 0.0 or not occupied.any():
+        return occupied
+    count = len(occupied)
+    row = np.arange(count)[:, None]
+    lowest = np.flatnonzero(occupied.any(axis=1))[0]
+    below = np.maximum.accumulate(np.where(occupied, row, lowest - 1), axis=0)
+    above = np.minimum.accumulate(np.where(occupied, row, count)[::-1], axis=0)[::-1]
+    gap = above - below - 1
+    filled = (above < count) & (row >= lowest) & (gap * bitmap.cell_m <= height_m)
+    return np.asarray(occupied | filled)
+
+
+def _rectangles(cells: Bool) -> I64:
     """``(k, 4) int64`` first and past-last row and column of rectangles that tile the occupied cells.
 
     Runs of cells along a row, then equal runs in successive rows made one: a wall takes few rectangles.
     """
-    occupied = np.pad(bitmap.occupancy > OCCUPIED, ((0, 0), (1, 1))).astype(np.int8)
+    occupied = np.pad(cells, ((0, 0), (1, 1))).astype(np.int8)
     edges = np.diff(occupied, axis=1)
     row, first = np.nonzero(edges == 1)
     past = np.nonzero(edges == -1)[1]
