@@ -64,7 +64,7 @@ def open_slab(
     (left, bottom), (right, top) = _stairwell(hole, lower, upper, surfels)
     width, height = sorted((right - left, top - bottom))
     return Opening(
-        kind="hatch" if height <= MAX_HATCH_M else "stairs",
+        kind="hatch" if max(hole.width, hole.height) <= MAX_HATCH_M else "stairs",
         orientation="vertical",
         room_a=group.pair[0],
         room_b=group.pair[1],
