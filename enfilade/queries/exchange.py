@@ -8,6 +8,7 @@ from typing import Any, Final
 from enfilade.errors import QuestionError
 
 from . import query_graph, syntax
+from .printing import printed
 from .query_graph import QueryGraph
 
 _NOT_WRITTEN: Final = ("place", "text")
@@ -39,6 +40,10 @@ def decode(document: Any) -> QueryGraph:
     query = _structured(document)
     if not isinstance(query, QueryGraph):
         raise QuestionError('the outermost part of a question in JSON must be a "QueryGraph".')
+    try:
+        printed(query)  # goes through every part
+    except (AttributeError, KeyError, TypeError) as error:
+        raise QuestionError(f"a part of the question in JSON stands where another belongs: {error}.") from None
     return query
 
 

@@ -8,7 +8,7 @@ moves with the one it moves it to.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import permutations, product
 from typing import Final
@@ -171,9 +171,9 @@ class _Search:
             }
 
 
-def _settled(edge: _Edge, names: object, free: object) -> bool:
-    ends = (edge.pattern.left, edge.pattern.right)
-    return all(end in names or end not in free for end in ends)  # type: ignore[operator]
+def _settled(edge: _Edge, names: Collection[str], free: Collection[str]) -> bool:
+    """Whether both ends of an edge are placed, or cannot be."""
+    return all(end in names or end not in free for end in (edge.pattern.left, edge.pattern.right))
 
 
 def _alone(name: str, expressions: Sequence[Expression], scope: Scope) -> list[str]:

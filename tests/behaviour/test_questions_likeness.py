@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -91,6 +92,7 @@ def test_a_path_a_literal_and_a_parameter_ask_alike(furnished: Store, tmp_path: 
     assert by_name.to_pandas()["o"].tolist() == [row["o"] for row in by_name.rows]
     assert "ids" not in by_name.explain
     assert by_name.explanation.counts["matches"] == 3
+    assert json.loads(json.dumps(by_name.explanation.to_dict()))["steps"][0]["rows"] == 3
 
 
 def test_within_includes_its_limit_and_like_is_the_distance(furnished: Store) -> None:

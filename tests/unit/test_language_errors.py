@@ -128,7 +128,12 @@ def test_a_parameter_that_is_no_value_is_refused(hotel_store: Store, value: obje
     assert sentence in str(caught.value)
 
 
-@pytest.mark.parametrize("document", [None, [], {"is": "Nothing"}, {"is": "Pattern"}, {"is": "QueryGraph", "x": 1}])
+WRONG_PART = {"is": "QueryGraph", "pattern": {"is": "Pattern", "where": 5}, "columns": []}
+
+
+@pytest.mark.parametrize(
+    "document", [None, [], {"is": "Nothing"}, {"is": "Pattern"}, {"is": "QueryGraph", "x": 1}, WRONG_PART]
+)
 def test_json_that_is_no_question_is_refused(document: object) -> None:
     with pytest.raises(QuestionError, match="in JSON"):
         QueryGraph.from_json(document)
