@@ -36,7 +36,7 @@ def cloud_file_name(building: str, cloud: LabelledCloud) -> str:
     readable = re.sub(r"[^A-Za-z0-9._-]+", "-", building).strip("-.")[:60] or "building"
     digest = sha256(building.encode("utf-8", "surrogatepass"))
     for column in (cloud.positions, *(getattr(cloud, label) for label in LABELS)):
-        digest.update(np.ascontiguousarray(column))
+        digest.update(np.ascontiguousarray(column).data)
     return f"{readable}-{digest.hexdigest()[:16]}.ply"
 
 
