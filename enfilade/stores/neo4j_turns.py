@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import closing
 from typing import Final, TypeVar
 
 from neo4j import ManagedTransaction, Session, Transaction, unit_of_work
@@ -106,9 +107,9 @@ def read(session: Session, locking: Callable[[], Session], work: Reading[T], *, 
             continue
         if undisturbed:
             return result
-    with locking() as other, other.begin_transaction(timeout=timeout_s) as transaction:
+    with locking() as other, closing(other.begin_transaction(timeout=timeout_s)) as transaction:
         transaction.run(_TAKE_TURN).consume()
-        return work(transaction)  # and leave without commit
+        return work(transaction)  # closed without commit, it is rolled back
 
 
 def _quiet_state(transaction: ManagedTransaction) -> int:
