@@ -154,15 +154,18 @@ class Matcher:
         if not self._run:
             return
         start = time.perf_counter()
+        limits, parameters = self._limits(search.expansion), self._filled(compiled, given)
+        compared = time.perf_counter()
+        spent = self._explanation.seconds
+        spent["examples and distances"] = spent.get("examples and distances", 0.0) + compared - start
         step.rows = step.kept = 0
-        limits = self._limits(search.expansion)
-        for row in self._rows(compiled.text, self._filled(compiled, given)):
+        for row in self._rows(compiled.text, parameters):
             step.rows += 1
             elements = self._elements(search, row)
             if all(elements[name].id in ids for name, ids in limits.items()):
                 step.kept += 1
                 yield elements
-        step.seconds = time.perf_counter() - start
+        step.seconds = time.perf_counter() - compared
 
     def _rows(self, text: str, parameters: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
         """Rows of a statement, until the whole question's time is over."""
