@@ -27,6 +27,9 @@ from enfilade.ingest.sides import Side
 FLOOR_M: Final = 0.05
 """A hole that begins this close to the floor begins at the floor."""
 
+IN_LINE_M: Final = 12.0
+"""A wall is thought to go on for so far."""
+
 AROUND_M: Final = 0.3
 """Width of the wall around a hole that tells whose it is."""
 
@@ -147,11 +150,26 @@ class _Behind:
         possible = [(gap, room) for gap, room in gaps if 0.02 < gap < self._max_gap_m]
         return min(possible)[1] if possible else None
 
-    def _gap(self, wall: Side, hole: Hole, centre: F64) -> float:
+    def room_in_line(self, hole: Hole) -> int | None:
+        """Room whose wall would stand behind a hole if it went on, as that of a corridor seen in part does.
+
+        Long walls are more likely to go on than short ones, near ones more than far ones.
+        """
+        centre = hole.centre
+        near = self._tree.query(Point(centre[:2]).buffer(IN_LINE_M))
+        possible = []
+        for wall in (self._walls[i] for i in near):
+            if wall.room != hole.side.room and 0.02 < self._gap(wall, hole, centre, IN_LINE_M) < self._max_gap_m:
+                u = centre @ wall.u
+                apart = max(wall.bounds[0] - u, u - wall.bounds[2])
+                possible.append((apart - (wall.bounds[2] - wall.bounds[0]), wall.room))
+        return min(possible)[1] if possible else None
+
+    def _gap(self, wall: Side, hole: Hole, centre: F64, beside_m: float = 0.0) -> float:
         """Thickness between a hole and a wall that faces away and reaches across it, else infinity."""
         u, v = centre @ wall.u, centre @ wall.v
         low, high = wall.bounds[:2], wall.bounds[2:]
-        across = low[0] < u < high[0] and low[1] < v < high[1]
+        across = low[0] - beside_m < u < high[0] + beside_m and low[1] < v < high[1]
         if not across or wall.normal @ hole.side.normal > -0.95:
             return float("inf")
         return float(wall.normal @ centre - wall.offset) * -1.0
@@ -189,8 +207,11 @@ def _opening(
         return None
     at_floor = hole.edges[1] - room.floor_elevation < FLOOR_M
     is_door = at_floor and hole.height > parameters.min_closed_height_m and hole.width < parameters.max_closed_width_m
+    is_open = is_door and blind.passed > 0.5
+    if is_open and other is None:
+        other = behind.room_in_line(hole)
     seen = sight.share(hole)
-    if (is_door and other is not None and blind.leaf < 0.5) or seen < 0.6:
+    if (is_door and not is_open and other is not None and blind.leaf < 0.5) or seen < 0.6:
         return None
     if not is_door and other is not None:
         return None
@@ -212,7 +233,7 @@ def _opening(
         sill=float(edges[1] - room.floor_elevation),
         area=width * height,
         ray_count=int((hole.beyond > parameters.max_inset_m).sum()),
-        state="open" if is_door and blind.passed > 0.5 else "closed",
+        state="open" if is_open else "closed",
         confidence=float(np.mean([hole.bounded.mean(), hole.fill, seen])) * (DOUBT if is_door else 1.0),
     )
 
