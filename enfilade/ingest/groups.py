@@ -44,7 +44,7 @@ class GroupParameters:
 
     below_ceiling_m: float = 0.15
     headroom_m: float = 1.1
-    least_open: float = 0.52
+    least_open: float = 0.47
     storey_gap_m: float = 1.2
     sight: SightParameters = field(default_factory=SightParameters)
 

@@ -47,8 +47,8 @@ class SightParameters:
     reach_m: float = 20.0
     level_m: float = 1.6
     azimuths: int = 180
-    places: int = 61
-    place_pairs: int = 1220
+    places: int = 122
+    place_pairs: int = 9760
     least_sight: float = 0.05
     least_walled: float = 0.1
     wall_m: float = 0.6
