@@ -93,7 +93,7 @@ def test_pins_are_made_from_a_folder(tmp_path: Path) -> None:
     ("pattern", "taken"),
     [("central", True), ("*", True), ("external:*", True), ("a, central", True), ("a", False), ("*,!central", False)],
 )
-@pytest.mark.parametrize("namespace", ["", ' xmlns="http://maven.apache.org/SETTINGS/1.0.0"'])
+@pytest.mark.parametrize("namespace", ["", ' xmlns="urn:settings"'])
 def test_the_users_mirror_is_asked(tmp_path: Path, namespace: str, pattern: str, taken: bool) -> None:
     settings = tmp_path / "settings.xml"
     settings.write_text(
