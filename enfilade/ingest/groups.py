@@ -36,6 +36,8 @@ class GroupParameters:
         gallery.
     least_open
         Share of the boundary between two scans that must be open.
+    doubtful_open
+        A scan this open to another room does not vote on where rooms end.
     storey_gap_m
         Scanners more than this apart in height, with none between, are numbered as different storeys.
     sight
@@ -44,7 +46,8 @@ class GroupParameters:
 
     below_ceiling_m: float = 0.15
     headroom_m: float = 1.1
-    least_open: float = 0.47
+    least_open: float = 0.55
+    doubtful_open: float = 0.48
     storey_gap_m: float = 1.2
     sight: SightParameters = field(default_factory=SightParameters)
 
@@ -76,7 +79,7 @@ def group_scans(
     group = _overridden(group, given or {}, scanner_positions)
     scan_room = _numbered(group, scanner_positions.astype(np.float64), parameters.storey_gap_m)
     floors = (scanner_positions[:, 2] - _clearance(structure, planes, scanner_positions, -1.0)).astype(np.float32)
-    return Groups(scan_room, lifted, floors, _votes(scan_room, views, parameters.least_open))
+    return Groups(scan_room, lifted, floors, _votes(scan_room, views, parameters.doubtful_open))
 
 
 def _joined(count: int, views: Views, least_open: float) -> I64:
@@ -96,9 +99,9 @@ def _joined(count: int, views: Views, least_open: float) -> I64:
     return np.array([min(room) for room in rooms], np.int64)
 
 
-def _votes(scan_room: I32, views: Views, least_open: float) -> Bool:
-    """``(S,)``: False where a scan is as open to another room as to its own, if its room has other scans that vote."""
-    a, b = views.pairs[views.openness >= least_open].T
+def _votes(scan_room: I32, views: Views, doubtful_open: float) -> Bool:
+    """``(S,)``: False where a scan is very open to another room, if its own has other scans that vote."""
+    a, b = views.pairs[views.openness >= doubtful_open].T
     across = scan_room[a] != scan_room[b]
     votes = np.ones(len(scan_room), bool)
     for scan in np.unique(np.concatenate([a[across], b[across]])):

@@ -40,7 +40,7 @@ class SightParameters:
         Share of them with one wall between, from which on that says something.
     wall_m
         What is opaque for less than this along a line is one wall.
-    bin_m
+    piece_m
         Width of the pieces of wall that are each found open or closed.
     """
 
@@ -48,11 +48,11 @@ class SightParameters:
     level_m: float = 1.6
     azimuths: int = 180
     places: int = 122
-    place_pairs: int = 9760
+    place_pairs: int = 1220
     least_sight: float = 0.05
     least_walled: float = 0.1
     wall_m: float = 0.6
-    bin_m: float = 0.1
+    piece_m: float = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,31 +148,37 @@ def _openness(
     """Share of the boundary between two scans' places that is open, NaN where there is too little to tell."""
     lines = _lines(structure, places[a], places[b], own[a], own[b], parameters)
     seen = lines.thickness == 0.0
-    walled = ~seen & (lines.thickness < parameters.wall_m)
+    walled = ~seen & (lines.thickness < parameters.wall_m) & planes.vertical[lines.plane]
     if seen.sum() < parameters.least_sight * max(len(seen), 1):
         return 0.0 if walled.sum() >= parameters.least_walled * max(len(seen), 1) and len(seen) else float("nan")
     if walled.sum() < parameters.least_walled * (seen.sum() + walled.sum()):
         return 1.0
     wall = int(np.argmax(np.bincount(lines.plane[walled])))
-    return _open_share(lines, seen, walled, planes.normals[wall], float(planes.offsets[wall]), parameters.bin_m)
+    normal, offset = planes.normals[wall], float(planes.offsets[wall])
+    past = _crossing(lines, normal, offset)[seen | walled].mean()
+    here, there = places[a][places[a] @ normal > offset], places[b][places[b] @ normal < offset]
+    return 1.0 - float(past) * (1.0 - _open_share(structure, here, there, normal, offset, parameters))
 
 
-def _open_share(lines: _Lines, seen: Bool, walled: Bool, normal: F32, offset: float, bin_m: float) -> float:
-    """Share that is open where places look past the line of a wall, and 1 where they do not.
+def _crossing(lines: _Lines, normal: F32, offset: float) -> Bool:
+    """``(n,)``: which lines have their ends on two sides of a plane."""
+    return np.asarray((lines.starts @ normal - offset) * (lines.ends @ normal - offset) < 0.0)
 
-    Each piece of the wall's line counts alike, however many of the places look through it.
-    """
-    start, end = lines.starts @ normal - offset, lines.ends @ normal - offset
-    crosses = (start * end < 0.0) & (seen | walled)
-    share = start[crosses] / (start[crosses] - end[crosses])
-    crossing = lines.starts[crosses] + share[:, None] * (lines.ends[crosses] - lines.starts[crosses])
-    along = crossing[:, 1] * normal[0] - crossing[:, 0] * normal[1]
-    piece = np.unique(np.floor(along / bin_m).astype(np.int64), return_inverse=True)[1]
-    if not len(piece):
+
+def _open_share(
+    structure: Structure, here: F32, there: F32, normal: F32, offset: float, parameters: SightParameters
+) -> float:
+    """Share of a wall's line that is open, as far along as one scan overlooks its front and the other its back."""
+    if not (len(here) and len(there)):
         return 1.0
-    opened = np.bincount(piece, seen[crosses]) / np.bincount(piece)
-    past = crosses.sum() / (seen | walled).sum()
-    return float(1.0 - past * (1.0 - opened.mean()))
+    along = np.array([-normal[1], normal[0], 0.0], np.float32)
+    first = float(max((here @ along).min(), (there @ along).min()))
+    last = float(min((here @ along).max(), (there @ along).max()))
+    pieces = np.arange(first, max(first, last) + parameters.piece_m / 2.0, parameters.piece_m)
+    on_wall = (pieces[:, None] * along + offset * normal).astype(np.float32)
+    on_wall[:, 2] = (here[:, 2].mean() + there[:, 2].mean()) / 2.0
+    across = parameters.wall_m * np.array([normal[0], normal[1], 0.0], np.float32)
+    return float(1.0 - structure.blocked(on_wall + across / 2.0, on_wall - across).mean())
 
 
 def _lines(
