@@ -31,10 +31,13 @@ def default_clouds_folder(store: Store) -> Path:
     return Path(rest).with_suffix(".clouds") if scheme == "sqlite" else Path("enfilade.clouds")
 
 
-def cloud_file_name(building: str, cloud: LabelledCloud) -> str:
-    """Return a file name that any file system takes, another for every building and for any change in its points."""
+def cloud_file_name(store_url: str, building: str, cloud: LabelledCloud) -> str:
+    """Return a file name that any file system takes, another for each store, building and change in its points.
+
+    Stores may share a folder, and what one of them removes must not be the cloud of another.
+    """
     readable = re.sub(r"[^A-Za-z0-9._-]+", "-", building).strip("-.")[:60] or "building"
-    digest = sha256(building.encode("utf-8", "surrogatepass"))
+    digest = sha256(f"{store_url}\0{building}".encode("utf-8", "surrogatepass"))
     for column in (cloud.positions, *(getattr(cloud, label) for label in LABELS)):
         digest.update(np.ascontiguousarray(column).data)
     return f"{readable}-{digest.hexdigest()[:16]}.ply"
@@ -61,7 +64,7 @@ class Archive:
         root = graph.nodes[graph.building]
         root.properties.pop("cloud", None)
         if cloud is not None:
-            name = cloud_file_name(graph.building, cloud)
+            name = cloud_file_name(self.store.url, graph.building, cloud)
             self.clouds.mkdir(parents=True, exist_ok=True)
             write_cloud(self.clouds / name, cloud)
             root.properties["cloud"] = name
