@@ -9,6 +9,7 @@ from __future__ import annotations
 import importlib
 import os
 import sys
+from pathlib import Path
 from typing import Final
 
 import click
@@ -72,8 +73,10 @@ def cli(ctx: click.Context, store: str, clouds: str | None, debug: bool) -> None
 def main() -> None:
     """Run the command line and end the process with its exit status."""
     debug = "--debug" in sys.argv
+    _open_closed_streams()
     try:
         status = cli.main(prog_name="enfilade", standalone_mode=False)
+        sys.stdout.flush()
     except click.exceptions.Abort:
         click.echo("Interrupted.", err=True)
         sys.exit(130)
@@ -87,6 +90,28 @@ def main() -> None:
         sys.exit(2 if isinstance(error, QuestionError) else 1)
     except BrokenPipeError:
         # The reader of a pipe has seen enough; keep Python from complaining again at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _discard_output()
         sys.exit(0)
+    except OSError as error:
+        if debug:
+            raise
+        # What no part of the library could foresee: a full disk, a folder taken away, output that cannot be written.
+        if error.filename is None:
+            _discard_output()
+        where = "" if error.filename is None else f"{error.filename}: "
+        click.echo(f"Error: {where}{error.strerror or error}.", err=True)
+        sys.exit(1)
     sys.exit(status if isinstance(status, int) else 0)
+
+
+def _open_closed_streams() -> None:
+    """Let what a closed standard stream would get disappear; Python sets such a stream to None."""
+    if sys.stdout is None:
+        sys.stdout = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115 (open until the process ends)
+    if sys.stderr is None:
+        sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115 (open until the process ends)
+
+
+def _discard_output() -> None:
+    """Keep Python from failing again at exit, when it flushes what standard output did not take."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 from collections import Counter
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import click
 from rich.tree import Tree
 
 from enfilade.cli.terminal import ERR, OUT, counted, open_archive, print_table, progress_bars, show_value
-from enfilade.errors import InputError
+from enfilade.clouds import LabelledCloud, read_cloud
+from enfilade.errors import EnfiladeError, InputError
 from enfilade.schema.exchange import read_graphs, write_graph
 from enfilade.schema.graph import BuildingGraph
 from enfilade.stores.archive import copy_buildings
@@ -87,8 +89,9 @@ def _label(graph: BuildingGraph, node: str) -> str:
 def remove_command(ctx: click.Context, building: str, yes: bool) -> None:
     """Take a building out of the store, with its cloud."""
     archive = open_archive(ctx)
-    if not yes:
-        click.confirm(f"Remove {building!r} from {archive.store.url}?", abort=True, err=True)
+    if not yes and not click.confirm(f"Remove {building!r} from {archive.store.url}?", err=True):
+        ERR.print("Nothing was removed.")
+        ctx.exit(1)
     archive.remove(building)
     ERR.print(f"Removed {building}", markup=False)
 
@@ -101,6 +104,8 @@ def export_command(ctx: click.Context, building: str, output: Path) -> None:
     """Write a building as graph.json, with its cloud.ply beside it."""
     archive = open_archive(ctx)
     graph = archive.store.read(building)
+    # The name of a file in this store's own folder says nothing elsewhere.
+    graph.nodes[building].properties.pop("cloud", None)
     if output.suffix in (".json", ".jsonl", ".gz"):
         write_graph(graph, output)
         ERR.print(f"Wrote {output}", markup=False)
@@ -123,20 +128,33 @@ def import_command(ctx: click.Context, files: tuple[Path, ...]) -> None:
 
     FILES are .json, .jsonl or .jsonl.gz, or folders with graph.json and cloud.ply.
     """
-    from enfilade.clouds import read_cloud
-
     archive = open_archive(ctx, create=True)
     count = 0
+    try:
+        for graph, cloud in _read_files(files):
+            archive.save(graph, cloud)
+            count += 1
+    except EnfiladeError:
+        if count:
+            ERR.print(f"Imported {counted(count, 'building')}, then stopped.", markup=False)
+        raise
+    ERR.print(f"Imported {counted(count, 'building')} into {archive.store.url}", markup=False)
+
+
+def _read_files(files: Iterable[Path]) -> Iterator[tuple[BuildingGraph, LabelledCloud | None]]:
+    """Yield the graphs in files, a ``graph.json`` with the cloud beside it. Raises InputError where there is none."""
     for given in files:
         path = given / "graph.json" if given.is_dir() else given
-        if not path.is_file():
+        if not path.exists():
             raise InputError(f"There is no graph file {path}; name a .json, .jsonl or .jsonl.gz file or a folder.")
         cloud_path = path.with_name("cloud.ply")
         cloud = read_cloud(cloud_path) if path.name == "graph.json" and cloud_path.is_file() else None
+        empty = True
         for graph in read_graphs(path):
-            archive.save(graph, cloud)
-            count += 1
-    ERR.print(f"Imported {counted(count, 'building')} into {archive.store.url}", markup=False)
+            yield graph, cloud
+            empty = False
+        if empty:
+            raise InputError(f"{path} holds no building.")
 
 
 @click.command("copy")

@@ -6,12 +6,11 @@ import json
 import sys
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 import click
-import pandas as pd
 
-from enfilade.cli.terminal import ERR, OUT, counted, open_archive, print_table
+from enfilade.cli.answers import json_text, write_answer
+from enfilade.cli.terminal import open_archive
 from enfilade.errors import InputError, UnsupportedError
 
 FORMATS = ("table", "json", "csv", "parquet")
@@ -52,6 +51,8 @@ def query_command(
 
     if form == "parquet" and output is None:
         raise click.UsageError("--format parquet needs -o FILE.")
+    if nl and form in ("csv", "parquet"):
+        raise click.UsageError(f"--nl is JSON and does not go with --format {form}.")
     result = answer(
         open_archive(ctx).store,
         _question_text(question, file),
@@ -62,7 +63,7 @@ def query_command(
     if explain:
         said = json.dumps(result.explanation.to_dict()) if form == "json" else str(result.explanation)
         click.echo(said, err=True)
-    _write(result.rows, result.columns, "json" if nl else form, nl=nl, output=output)
+    write_answer(result.columns, result.rows, "lines" if nl else form, output)
 
 
 def _question_text(question: str | None, file: Path | None) -> str:
@@ -71,9 +72,12 @@ def _question_text(question: str | None, file: Path | None) -> str:
     if question is not None:
         return question
     try:
-        return sys.stdin.read() if str(file) == "-" else Path(str(file)).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"The question file {file} cannot be read: {error}.") from None
+        content = sys.stdin.buffer.read() if str(file) == "-" else Path(str(file)).read_bytes()
+        return content.decode("utf-8-sig")
+    except OSError as error:
+        raise InputError(f"The question file {file} cannot be read: {error.strerror}.") from None
+    except UnicodeDecodeError as error:
+        raise InputError(f"The question file {file} is not UTF-8 text (byte {error.start}).") from None
 
 
 def _pairs(given: Iterable[str], option: str) -> list[tuple[str, str]]:
@@ -89,29 +93,8 @@ def _value(text: str) -> object:
         return json.loads(text)
     except ValueError:
         return text
-
-
-def _write(rows: list[dict[str, Any]], columns: list[str], form: str, *, nl: bool, output: Path | None) -> None:
-    if form == "parquet":
-        pd.DataFrame(rows, columns=columns).to_parquet(output)
-        return
-    if form == "table" and output is None:
-        print_table(columns, [[row[column] for column in columns] for row in rows])
-        OUT.print(counted(len(rows), "row"))
-        return
-    if form == "csv":
-        text = pd.DataFrame(rows, columns=columns).to_csv(index=False)
-    elif nl:
-        text = "".join(json.dumps(row, ensure_ascii=False) + "\n" for row in rows)
-    elif form == "json":
-        text = json.dumps(rows, ensure_ascii=False, indent=1) + "\n"
-    else:
-        text = pd.DataFrame(rows, columns=columns).to_string(index=False) + "\n"
-    if output is None:
-        click.echo(text, nl=False)
-    else:
-        output.write_text(text, encoding="utf-8")
-        ERR.print(f"Wrote {output}", markup=False)
+    except RecursionError:
+        raise click.UsageError("A value of --param holds lists too deep in one another.") from None
 
 
 @click.command("cypher")
@@ -133,4 +116,4 @@ def cypher_command(ctx: click.Context, text: str, params: tuple[str, ...], timeo
         raise UnsupportedError(f"{store.url} understands no Cypher; use --store neo4j://... or `enfilade query`.")
     given = {name: _value(value) for name, value in _pairs(params, "--param")}
     for row in store.cypher(text, given, timeout_s=timeout):
-        click.echo(json.dumps(row, ensure_ascii=False, default=str))
+        click.echo(json_text(row))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
-
-import pandas as pd
+from typing import TYPE_CHECKING, Any
 
 from .explanation import Explanation
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +36,8 @@ class Result:
 
     def to_pandas(self) -> pd.DataFrame:
         """Return the rows as a data frame."""
+        import pandas as pd  # takes longer to load than most questions to answer
+
         return pd.DataFrame(self.rows, columns=self.columns)
 
     def __len__(self) -> int:

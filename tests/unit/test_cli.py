@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -145,3 +147,79 @@ def test_explain_goes_to_standard_error(with_hotel: Enfilade) -> None:
     done = with_hotel("query", "MATCH (a:Room {area: 30}) RETURN a", "--format", "csv", "--explain")
     assert done.out.splitlines() == ["a", "hotel/r0"]
     assert "SELECT" in done.err
+
+
+def test_a_file_that_cannot_be_written(with_hotel: Enfilade, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    for form in ("json", "csv", "parquet", "table"):
+        done = with_hotel("query", "MATCH (a:Room) RETURN a", "--format", form, "-o", "file/answer")
+        assert_one_sentence(done, status=1, about="file/answer cannot be written")
+    assert_one_sentence(with_hotel("export", "hotel", "-o", "file/folder"), status=1, about="file/folder")
+
+
+def test_lists_and_missing_values_in_csv_are_those_of_json(with_hotel: Enfilade) -> None:
+    question = "MATCH (a:Room {name: 'Office A'}) RETURN a.name, a.function, [1, 'x'] AS list, a.area > 1 AS large"
+    done = with_hotel("query", question, "--format", "csv")
+    assert done.out.splitlines() == ["a.name,a.function,list,large", 'Office A,,"[1, ""x""]",true']
+
+
+def test_infinity_is_no_json_number(with_hotel: Enfilade) -> None:
+    done = with_hotel("query", "MATCH (a:Room) RETURN a.area / 0 AS q, -a.area / 0 AS r LIMIT 1", "--nl")
+    assert done.out == '{"q": "Infinity", "r": "-Infinity"}\n'
+
+
+def test_parquet_that_cannot_hold_the_values(with_hotel: Enfilade) -> None:
+    question = "MATCH (a:Room) RETURN [1, 'x'] AS list"
+    done = with_hotel("query", question, "--format", "parquet", "-o", "answer.parquet")
+    assert_one_sentence(done, status=1, about="--format json")
+
+
+@pytest.mark.parametrize("arguments", [("--nl", "--format", "csv"), ("--param", "x=" + "[" * 100_000)])
+def test_options_that_make_no_sense(with_hotel: Enfilade, arguments: tuple[str, ...]) -> None:
+    assert_one_sentence(with_hotel("query", "MATCH (a:Room) RETURN a", *arguments), status=2, about=arguments[0])
+
+
+def test_a_question_file_may_begin_with_a_byte_order_mark(with_hotel: Enfilade, tmp_path: Path) -> None:
+    (tmp_path / "large.cypher").write_text("\ufeffMATCH (a:Room {area: 30}) RETURN a", encoding="utf-8")
+    assert with_hotel("query", "-f", "large.cypher", "--nl").out == '{"a": "hotel/r0"}\n'
+
+
+def test_a_question_file_that_is_no_text(with_hotel: Enfilade, tmp_path: Path) -> None:
+    (tmp_path / "large.cypher").write_bytes(b"MATCH \xff")
+    assert_one_sentence(with_hotel("query", "-f", "large.cypher"), status=1, about="byte 6")
+
+
+def test_an_import_that_stops_says_what_is_in(enfilade: Enfilade, tmp_path: Path) -> None:
+    (tmp_path / "bad.json").write_text("{}", encoding="utf-8")
+    done = enfilade("import", str(HOTEL), "bad.json")
+    assert_one_sentence(done, status=1, about="bad.json")
+    assert "Imported 1 building, then stopped." in done.err
+    assert '"hotel"' in enfilade("buildings", "--format", "json").out
+
+
+def test_an_import_of_no_building(enfilade: Enfilade, tmp_path: Path) -> None:
+    (tmp_path / "empty.jsonl").touch()
+    assert_one_sentence(enfilade("import", "empty.jsonl"), status=1, about="empty.jsonl holds no building")
+
+
+def test_a_building_that_is_kept_after_all(with_hotel: Enfilade, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stdin", io.StringIO("n\n"))
+    done = with_hotel("remove", "hotel")
+    assert done.status == 1
+    assert "Nothing was removed." in done.err
+    assert with_hotel("show", "hotel").status == 0
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+@pytest.mark.parametrize("arguments", [("buildings",), ("query", "MATCH (a:Room) RETURN a", "--nl")])
+def test_output_that_cannot_be_written(with_hotel: Enfilade, arguments: tuple[str, ...]) -> None:
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run([sys.executable, "-m", "enfilade", *arguments], stdout=full, stderr=subprocess.PIPE)
+    assert done.returncode == 1
+    assert done.stderr.decode() == "Error: No space left on device.\n"
+
+
+def test_listing_buildings_loads_nothing_heavy(with_hotel: Enfilade) -> None:
+    code = "import enfilade.cli.buildings, sys; print({'numba', 'pandas', 'neo4j', 'open3d'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "set()\n"
