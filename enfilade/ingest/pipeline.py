@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from enfilade.clouds import LabelledCloud
+from enfilade.errors import InputError
 from enfilade.progress import Progress, Silent
 from enfilade.schema.graph import BuildingGraph
 
@@ -91,6 +92,7 @@ def ingest(
     surfels = make_surfels(cloud, parameters.surfels)
     watch.start("planes")
     planes = find_planes(surfels, parameters.planes)
+    _need(planes.bitmaps, files, "no walls, floors or ceilings")
     watch.start("groups")
     given = read_grouping(rooms_csv, cloud.scan_names) if rooms_csv is not None else None
     groups = group_scans(planes, cloud.scanner_positions, given, parameters.groups)
@@ -101,6 +103,7 @@ def ingest(
     labels = keep_inside(surfels, labels, drafts, parameters.inside)
     plans = draw_plans(cloud, surfels, planes, labels, parameters.plans)
     rooms = measure_rooms(cloud, surfels, labels, plans)
+    _need(rooms, files, "no room")
     storeys = find_storeys(rooms, parameters.storeys)
     watch.start("neighbours")
     neighbours = find_neighbours(surfels, planes, labels, rooms, parameters.neighbours)
@@ -116,3 +119,10 @@ def ingest(
     said = building if name is None else name
     graph = assemble_graph(building, said, found, parameters.descriptors.shape, origin_of_all)
     return Ingested(graph, assemble_cloud(found), watch.stop())
+
+
+def _need(found: Sequence[object], files: Sequence[Path], what: str) -> None:
+    """Refuse scans that show nothing which a graph could be made of."""
+    if not found:
+        names = ", ".join(str(file) for file in files[:3]) + (", ..." if len(files) > 3 else "")
+        raise InputError(f"the scans of {names} show {what}: are they of a building's inside, registered, in metres?")
