@@ -151,7 +151,7 @@ NODE_TYPES: Final = (
         "ID/r12",
         "space bounded by walls, floor and ceiling",
         (
-            Property("area", Kind.REAL, "cells of a plan grid that hold points of horizontal planes (§4)", "m²", True),
+            Property("area", Kind.REAL, "floor area up to the walls under the ceiling", "m²", True),
             Property("floor_elevation", Kind.REAL, "mean height of the floor plane's points (Eq. 7)", "m"),
             Property("ceiling_elevation", Kind.REAL, "height of the ceiling", "m"),
             Property("height", Kind.REAL, "from floor to ceiling", "m"),

@@ -131,6 +131,7 @@ def test_remove_takes_graph_and_cloud(demo: Demo, tmp_path: Path) -> None:
 
 
 @pytest.mark.neo4j
+@pytest.mark.usefixtures("neo4j_store")
 def test_copy_to_neo4j_and_ask_there(
     demo: Demo, neo4j_server: RunningNeo4j, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

@@ -55,7 +55,9 @@ def test_runs_from_an_empty_folder(distributions: Path, tmp_path: Path, pattern:
     run(sys.executable, "-m", "enfilade", "simulate", "-o", "d.e57", "--step", "3", cwd=empty, PYTHONPATH=str(site))
     run(sys.executable, "-m", "enfilade", "import", "d.truth", cwd=empty, PYTHONPATH=str(site))
     question = "MATCH (a:Room)-[:DOOR]-(b:Room) RETURN a, b"
-    answer = run(sys.executable, "-m", "enfilade", "query", question, "--format", "csv", cwd=empty, PYTHONPATH=str(site))
+    answer = run(
+        sys.executable, "-m", "enfilade", "query", question, "--format", "csv", cwd=empty, PYTHONPATH=str(site)
+    )
     assert answer.startswith("a,b\n")
     assert len(answer.splitlines()) > 1
     assert not any(path.name in ("ingest", "queries", "schema") for path in site.iterdir())

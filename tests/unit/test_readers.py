@@ -17,6 +17,8 @@ POINTS = np.random.default_rng(0).uniform(-2.0, 2.0, (400, 3))
 TURN = np.array([np.cos(0.3), 0.0, 0.0, np.sin(0.3)])
 PLACE = np.array([10.0, -4.0, 1.5])
 
+UNTURNED = np.array([1.0, 0.0, 0.0, 0.0])
+
 
 def columns(points: np.ndarray, **more: Any) -> dict[str, np.ndarray]:
     return {
@@ -103,9 +105,20 @@ def spoil(monkeypatch: pytest.MonkeyPatch, values: list[float]) -> None:
     monkeypatch.setattr(e57, "_columns", spoiled)
 
 
-def test_an_identity_pose_is_no_pose(tmp_path: Path) -> None:
-    path = write(tmp_path / "a.e57", columns(POINTS), rotation=np.array([1.0, 0.0, 0.0, 0.0]), place=np.zeros(3))
-    with pytest.raises(InputError, match=r"no scanner pose in scan 'Station 0' of .*a\.e57 \(it is the identity"):
+def test_one_scan_may_stand_at_the_origin(tmp_path: Path) -> None:
+    path = write(tmp_path / "a.e57", columns(POINTS), columns(POINTS), rotation=UNTURNED, place=np.zeros(3))
+    first, second = e57.read(path)
+    assert first.scanner_position.tolist() == [0.0, 0.0, 0.0]
+    assert second.scanner_position.tolist() == [1.0, 1.0, 1.0]
+    np.testing.assert_allclose(first.positions, POINTS)
+
+
+def test_two_scans_at_the_origin_have_lost_their_positions(tmp_path: Path) -> None:
+    path = tmp_path / "a.e57"
+    with pye57.E57(str(path), mode="w") as file:
+        for number in range(2):
+            file.write_scan_raw(columns(POINTS), name=f"Station {number}", rotation=UNTURNED, translation=np.zeros(3))
+    with pytest.raises(InputError, match=r"2 scans of .*a\.e57, 'Station 0' and 'Station 1' among them"):
         next(e57.read(path))
 
 

@@ -27,7 +27,8 @@ def read(path: Path) -> Iterator[Scan]:
     Raises
     ------
     InputError
-        The file is damaged or empty, or one of its scans has no pose, no coordinates or no usable point.
+        The file is damaged or empty, one of its scans has no pose, no coordinates or no usable point, or several
+        scans have lost their position.
     """
     if path.stat().st_size == 0:
         raise InputError(f"{path} is empty (0 bytes): export or copy it again")
@@ -35,6 +36,7 @@ def read(path: Path) -> Iterator[Scan]:
         with pye57.E57(str(path)) as file:
             if file.scan_count == 0:
                 raise InputError(f"{path} holds no scans: export it with its scan positions")
+            _refuse_lost_positions(file, path)
             for index in range(file.scan_count):
                 yield _read_scan(file, index, path)
     except libe57.E57Exception as error:
@@ -54,19 +56,28 @@ def _name(header: Any, index: int, path: Path) -> str:
     return str(name) or f"{path.stem} {index}"
 
 
+def _refuse_lost_positions(file: pye57.E57, path: Path) -> None:
+    """One scan may stand at the origin unturned: the others are registered to it. Several cannot."""
+    names = []
+    for index in range(file.scan_count):
+        header = file.get_header(index)
+        if header.has_pose() and not np.any(header.translation) and np.array_equal(header.rotation_matrix, np.eye(3)):
+            names.append(_name(header, index, path))
+    if len(names) > 1:
+        raise InputError(
+            f"{len(names)} scans of {path}, {names[0]!r} and {names[1]!r} among them, all stand at the origin, as "
+            "exports write it when the positions are lost: export the scans registered, with their positions"
+        )
+
+
 def _pose(header: Any, what: str) -> tuple[F64, F64]:
-    """Rotation ``(3, 3)`` and translation ``(3,)`` of the scanner; an identity says as little as none at all."""
+    """Rotation ``(3, 3)`` and translation ``(3,)`` of the scanner."""
     if not header.has_pose():
         raise InputError(f"no scanner pose in {what}: export the scans registered, with their positions")
     rotation = np.asarray(header.rotation_matrix, np.float64)
     translation = np.asarray(header.translation, np.float64)
     if not (np.isfinite(rotation).all() and np.isfinite(translation).all()):
         raise InputError(f"the scanner pose in {what} is not a number: export the scans again")
-    if not translation.any() and np.array_equal(rotation, np.eye(3)):
-        raise InputError(
-            f"no scanner pose in {what} (it is the identity, as exports write it when the position is lost): "
-            "export the scans registered, with their positions"
-        )
     return rotation, translation
 
 
