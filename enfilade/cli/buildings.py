@@ -13,7 +13,7 @@ from rich.tree import Tree
 from enfilade.cli.terminal import ERR, OUT, counted, open_archive, print_table, progress_bars, show_value
 from enfilade.clouds import LabelledCloud, read_cloud
 from enfilade.errors import EnfiladeError, InputError
-from enfilade.schema.exchange import read_graphs, write_graph
+from enfilade.schema.exchange import read_graphs, write_graph, write_graphs
 from enfilade.schema.graph import BuildingGraph
 from enfilade.stores.archive import copy_buildings
 
@@ -107,7 +107,10 @@ def export_command(ctx: click.Context, building: str, output: Path) -> None:
     # The name of a file in this store's own folder says nothing elsewhere.
     graph.nodes[building].properties.pop("cloud", None)
     if output.suffix in (".json", ".jsonl", ".gz"):
-        write_graph(graph, output)
+        if output.suffix == ".json":
+            write_graph(graph, output)
+        else:
+            write_graphs([graph], output)
         ERR.print(f"Wrote {output}", markup=False)
         return
     output.mkdir(parents=True, exist_ok=True)

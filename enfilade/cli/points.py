@@ -46,7 +46,7 @@ def measure_command(ctx: click.Context, node: str, other: str | None) -> None:
     """Print the measures of a node, and how far it is from another."""
     archive = open_archive(ctx)
     rows: list[tuple[object, ...]] = []
-    for each in filter(None, (node, other)):
+    for each in (node,) if other is None else (node, other):
         found = _node(archive.store.read(parse(each).building), each)
         rows += [
             (each, name, found.properties[name], UNITS.get(name, "m"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -63,8 +64,10 @@ def ingest_one(
         result = ingest(scans, building=building, name=name, rooms_csv=grouping, progress=bars)
         bars.start("store")
         archive.save(result.graph, result.cloud)
-    labels = ("Storey", "Room", "Opening", "Object")
-    said = ", ".join(counted(sum(1 for _ in result.graph.of_label(label)), label.lower()) for label in labels)
+    # Combinations of segments are further nodes for likeness, not further things in the rooms.
+    single = [node for node in result.graph.nodes.values() if node.properties.get("parts", 1) == 1]
+    count = Counter(node.label for node in single)
+    said = ", ".join(counted(count[label], label.lower()) for label in ("Storey", "Room", "Opening", "Object"))
     ERR.print(f"{building}: {said}, in {archive.store.url}", markup=False)
 
 

@@ -223,3 +223,18 @@ def test_listing_buildings_loads_nothing_heavy(with_hotel: Enfilade) -> None:
     code = "import enfilade.cli.buildings, sys; print({'numba', 'pandas', 'neo4j', 'open3d'} & set(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "set()\n"
+
+
+@pytest.mark.parametrize("name", ["hotel.json", "hotel.jsonl", "hotel.jsonl.gz", "hotel.json.gz", "folder"])
+def test_what_is_exported_can_be_imported(with_hotel: Enfilade, name: str) -> None:
+    assert with_hotel("export", "hotel", "-o", name).status == 0
+    done = with_hotel("--store", "sqlite:again.db", "import", name)
+    assert done.status == 0, done.err
+    first = with_hotel("query", "MATCH (a:Room) RETURN a, a.area, a.outline", "--nl")
+    again = with_hotel("--store", "sqlite:again.db", "query", "MATCH (a:Room) RETURN a, a.area, a.outline", "--nl")
+    assert first.out == again.out != ""
+
+
+def test_an_empty_text_is_no_node(with_hotel: Enfilade) -> None:
+    assert_one_sentence(with_hotel("measure", ""), status=1, about="1 to 200 characters")
+    assert_one_sentence(with_hotel("measure", "hotel/r0", ""), status=1, about="1 to 200 characters")
