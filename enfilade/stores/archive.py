@@ -17,7 +17,7 @@ from typing import Final
 import numpy as np
 
 from enfilade.clouds import LABELS, LabelledCloud, read_cloud, write_cloud
-from enfilade.errors import NotFoundError
+from enfilade.errors import EnfiladeError, NotFoundError
 from enfilade.progress import Progress, Silent
 from enfilade.schema.graph import BuildingGraph
 from enfilade.stores.base import Store
@@ -68,9 +68,13 @@ class Archive:
             self.clouds.mkdir(parents=True, exist_ok=True)
             write_cloud(self.clouds / name, cloud)
             root.properties["cloud"] = name
-        self.store.write(graph)
-        if before is not None and before != root.properties.get("cloud"):
-            (self.clouds / before).unlink(missing_ok=True)
+        after = root.properties.get("cloud")
+        try:
+            self.store.write(graph)
+        except EnfiladeError:
+            self._discard(after, kept=before)
+            raise
+        self._discard(before, kept=after)
 
     def cloud_path(self, building: str) -> Path:
         """Return where a building's labelled cloud lies. Raises NotFoundError where it has none."""
@@ -89,6 +93,10 @@ class Archive:
         name = self._cloud_name(building)
         self.store.remove(building)
         if name is not None:
+            (self.clouds / name).unlink(missing_ok=True)
+
+    def _discard(self, name: str | None, *, kept: str | None) -> None:
+        if name is not None and name != kept:
             (self.clouds / name).unlink(missing_ok=True)
 
     def _cloud_name(self, building: str) -> str | None:

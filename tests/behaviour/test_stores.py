@@ -300,6 +300,20 @@ def test_stores_that_share_a_folder_keep_their_own_clouds(store: Store, hotel: B
         assert there.cloud("hotel") is not None
 
 
+def test_a_building_that_is_refused_leaves_the_clouds_as_they_were(
+    store: Store, hotel: BuildingGraph, tmp_path: Path
+) -> None:
+    cloud = LabelledCloud(np.eye(3), *(np.arange(3, dtype=np.int32) for _ in range(5)))
+    archive = Archive(store, tmp_path)
+    archive.save(hotel, cloud)
+    files = list(tmp_path.iterdir())
+    hotel.nodes["hotel"].properties["name"] = "\ud800"
+    with pytest.raises(GraphError, match="half a character"):
+        archive.save(hotel, LabelledCloud(np.eye(3) * 2, *(np.arange(3, dtype=np.int32) for _ in range(5))))
+    assert list(tmp_path.iterdir()) == files
+    assert archive.cloud("hotel") is not None
+
+
 def test_a_copy_takes_the_clouds_along(store: Store, hotel: BuildingGraph, tmp_path: Path) -> None:
     labels = {name: np.arange(3, dtype=np.int32) for name in ("storey", "room", "object", "plane", "scan")}
     cloud = LabelledCloud(positions=np.eye(3), **labels)
