@@ -180,3 +180,11 @@ def test_sources_that_are_no_scans_are_named(tmp_path: Path, name: str, cause: s
 def test_no_sources_are_refused() -> None:
     with pytest.raises(InputError, match="no scan files were given"):
         scan_files([])
+
+
+def test_a_path_that_is_no_text_is_refused(tmp_path: Path) -> None:
+    folder = tmp_path / "\udcff"
+    folder.mkdir()
+    (folder / "a.e57").touch()
+    with pytest.raises(InputError, match=r"udcff.*not UTF-8 text"):
+        scan_files([folder])

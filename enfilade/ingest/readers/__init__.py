@@ -23,11 +23,12 @@ def scan_files(sources: Sequence[Path]) -> tuple[Path, ...]:
     Raises
     ------
     InputError
-        A source is missing, is of a format that no reader knows, or is a folder without scans.
+        A source is missing, has a name that is no text, is of a format that no reader knows, or is a folder without
+        scans.
     """
     if not sources:
         raise InputError("no scan files were given: name one or more E57 files, or folders of them")
-    return tuple(file for source in sources for file in _files_of(Path(source)))
+    return tuple(_with_name(file) for source in sources for file in _files_of(Path(source)))
 
 
 def read_scans(sources: Sequence[Path]) -> Iterator[Scan]:
@@ -57,3 +58,13 @@ def _files_of(source: Path) -> list[Path]:
 
 def _suffixes() -> str:
     return ", ".join(READERS)
+
+
+def _with_name(file: Path) -> Path:
+    """Refuse a path that is no Unicode text: readers cannot open it, and the graph could not name it."""
+    try:
+        str(file).encode()
+    except UnicodeEncodeError as error:
+        shown = ascii(str(file))
+        raise InputError(f"the path {shown} is not UTF-8 text: rename what it names and try again") from error
+    return file
