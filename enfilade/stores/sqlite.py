@@ -250,7 +250,7 @@ _CAUSES: Final = {
     "SQLITE_CORRUPT": "is damaged; put a copy of it back or import its buildings into a new store",
     "SQLITE_FULL": "cannot be written, the disk is full; make room and try again",
     "SQLITE_READONLY": "cannot be written; check the permissions of the file and its folder",
-    "SQLITE_CANTOPEN": "cannot be opened; check that it is no folder, that its own folder exists and that it may be read",
+    "SQLITE_CANTOPEN": "cannot be opened; check that it is no folder, that its folder exists and it may be read",
     "SQLITE_BUSY": f"is being written by another process for more than {BUSY_TIMEOUT_S:g} s; try again later",
     "SQLITE_IOERR": "cannot be read or written; check the disk",
 }
