@@ -12,7 +12,7 @@ from lark import Lark, UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 from enfilade.errors import QuestionError
 from enfilade.schema.names import nearest
 
-from .building import Builder
+from .graph_builder import Builder
 from .query_graph import QueryGraph
 
 _NOT_THERE: Final = {
