@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -32,6 +33,15 @@ def words(printed: str) -> list[str]:
 @pytest.mark.parametrize(("command", "printed"), SHOWN)
 def test_shown_command_prints_what_the_page_says(demo: Demo, command: str, printed: str) -> None:
     assert words(run(command, demo.folder)) == words(printed)
+
+
+@pytest.mark.slow
+def test_python_of_the_readme_runs(demo: Demo) -> None:
+    (snippet,) = re.findall(r"^```python\n(.*?)^```$", (ROOT / "README.md").read_text(encoding="utf-8"), re.M | re.S)
+    done = subprocess.run([sys.executable, "-c", snippet], cwd=demo.folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "score" in done.stdout.splitlines()[0]
+    assert "demo/o" in done.stdout
 
 
 def test_readme_shows_commands() -> None:
