@@ -30,9 +30,7 @@ SECONDS = click.FloatRange(min=0.0, min_open=True)
 @click.option("--nl", is_flag=True, help="JSON with one match a line.")
 @click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Write the answer to a file.")
 @click.option("--explain", is_flag=True, help="Also say how the answer was found, on standard error.")
-@click.option(
-    "--timeout", type=click.FloatRange(min=0.0, min_open=True), default=60.0, show_default=True, help="Seconds."
-)
+@click.option("--timeout", type=SECONDS, default=60.0, show_default=True, help="Seconds to try.")
 @click.pass_context
 def query_command(
     ctx: click.Context,
@@ -100,9 +98,7 @@ def _value(text: str) -> object:
 @click.command("cypher")
 @click.argument("text")
 @click.option("--param", "params", multiple=True, metavar="NAME=VALUE", help="$NAME is a value: JSON, else text.")
-@click.option(
-    "--timeout", type=click.FloatRange(min=0.0, min_open=True), default=60.0, show_default=True, help="Seconds."
-)
+@click.option("--timeout", type=SECONDS, default=60.0, show_default=True, help="Seconds to try.")
 @click.pass_context
 def cypher_command(ctx: click.Context, text: str, params: tuple[str, ...], timeout: float) -> None:
     """Send raw Cypher to a Neo4j store, read-only.

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from enfilade.clouds import LabelledCloud
 from enfilade.schema.graph import BuildingGraph
+from enfilade.schema.ids import object_id, opening_id, room_id, storey_id
 
 from .records import (
     I32,
@@ -112,7 +113,7 @@ def _add_storeys(
     for storey in storeys:
         inside = [by_number[number] for number in storey.rooms]
         ceilings = [room.ceiling_elevation for room in inside if room.ceiling_elevation is not None]
-        id = _id(graph, "s", storey.index)
+        id = storey_id(graph.building, storey.index)
         graph.add_node(
             id,
             "Storey",
@@ -124,12 +125,12 @@ def _add_storeys(
         )
         graph.add_edge(graph.building, "HAS_STOREY", id)
     for lower, upper in pairwise(storeys):
-        graph.add_edge(_id(graph, "s", lower.index), "BELOW", _id(graph, "s", upper.index))
+        graph.add_edge(storey_id(graph.building, lower.index), "BELOW", storey_id(graph.building, upper.index))
 
 
 def _add_rooms(graph: BuildingGraph, rooms: Sequence[Room], room_storey: I32, origin: NDArray[np.float64]) -> None:
     for room in rooms:
-        id = _id(graph, "r", room.number)
+        id = room_id(graph.building, room.number)
         ceiling = room.ceiling_elevation
         graph.add_node(
             id,
@@ -146,15 +147,15 @@ def _add_rooms(graph: BuildingGraph, rooms: Sequence[Room], room_storey: I32, or
             scans=list(room.scans),
             confidence=room.confidence,
         )
-        graph.add_edge(_id(graph, "s", int(room_storey[room.number])), "HAS_ROOM", id)
+        graph.add_edge(storey_id(graph.building, int(room_storey[room.number])), "HAS_ROOM", id)
 
 
 def _add_neighbours(graph: BuildingGraph, neighbours: Sequence[Neighbour]) -> None:
     for pair in neighbours:
         graph.add_edge(
-            _id(graph, "r", pair.room_a),
+            room_id(graph.building, pair.room_a),
             "NEIGHBOUR",
-            _id(graph, "r", pair.room_b),
+            room_id(graph.building, pair.room_b),
             gap=pair.gap,
             area=pair.area,
             planes=[plane for planes in pair.plane_pairs for plane in planes],
@@ -163,7 +164,7 @@ def _add_neighbours(graph: BuildingGraph, neighbours: Sequence[Neighbour]) -> No
 
 def _add_openings(graph: BuildingGraph, openings: Sequence[Opening], origin: NDArray[np.float64]) -> None:
     for number, opening in enumerate(openings):
-        id = _id(graph, "p", number)
+        id = opening_id(graph.building, number)
         graph.add_node(
             id,
             "Opening",
@@ -182,29 +183,29 @@ def _add_openings(graph: BuildingGraph, openings: Sequence[Opening], origin: NDA
         )
         for room in (opening.room_a, opening.room_b):
             if room is not None:
-                graph.add_edge(_id(graph, "r", room), "OPENS", id)
+                graph.add_edge(room_id(graph.building, room), "OPENS", id)
 
 
 def _add_objects(graph: BuildingGraph, objects: Objects, origin: NDArray[np.float64]) -> None:
     room_of = {segment.number: segment.room for segment in objects.segments}
     for combination in objects.combinations:
         id = _add_object(graph, combination, origin)
-        graph.add_edge(_id(graph, "r", room_of[combination.segments[0]]), "CONTAINS", id)
+        graph.add_edge(room_id(graph.building, room_of[combination.segments[0]]), "CONTAINS", id)
     for combination in objects.combinations:
         if len(combination.segments) > 1:
             for segment in combination.segments:
-                graph.add_edge(_id(graph, "o", segment), "PART_OF", _object_id(graph, combination.segments))
+                graph.add_edge(object_id(graph.building, segment), "PART_OF", object_id(graph.building, *combination.segments))
     for a, b, distance in objects.near:
-        graph.add_edge(_id(graph, "o", a), "NEAR", _id(graph, "o", b), distance=distance)
+        graph.add_edge(object_id(graph.building, a), "NEAR", object_id(graph.building, b), distance=distance)
 
 
 def _add_object(graph: BuildingGraph, combination: Combination, origin: NDArray[np.float64]) -> str:
-    id = _object_id(graph, combination.segments)
+    id = object_id(graph.building, *combination.segments)
     graph.add_node(
         id,
         "Object",
         name="Object " + "+".join(str(segment) for segment in combination.segments),
-        segments=[_id(graph, "o", segment) for segment in combination.segments],
+        segments=[object_id(graph.building, segment) for segment in combination.segments],
         parts=len(combination.segments),
         size=combination.size.tolist(),
         position=(combination.position + origin).tolist(),
@@ -214,11 +215,3 @@ def _add_object(graph: BuildingGraph, combination: Combination, origin: NDArray[
         foot_descriptor=combination.foot_descriptor,
     )
     return id
-
-
-def _object_id(graph: BuildingGraph, segments: Sequence[int]) -> str:
-    return f"{graph.building}/" + "+".join(f"o{segment}" for segment in segments)
-
-
-def _id(graph: BuildingGraph, letter: str, number: int) -> str:
-    return f"{graph.building}/{letter}{number}"

@@ -11,6 +11,7 @@ import enfilade
 from enfilade.clouds import LabelledCloud
 from enfilade.descriptors import DEFAULT_LAYOUT, describe
 from enfilade.schema.graph import BuildingGraph
+from enfilade.schema.ids import object_id, opening_id, room_id, storey_id
 
 from .adjacency import adjacent_rooms
 from .casting import F32
@@ -106,7 +107,7 @@ def truth_graph(scene: Scene, building: str, cloud: LabelledCloud, scan_rooms: d
     _add_storeys(graph, scene)
     _add_rooms(graph, scene, cloud, scan_rooms)
     for pair in adjacent_rooms(scene.rooms):
-        ends = (_room_id(graph, pair.first), _room_id(graph, pair.second))
+        ends = (room_id(graph.building, pair.first), room_id(graph.building, pair.second))
         graph.add_edge(ends[0], "NEIGHBOUR", ends[1], gap=pair.gap, area=pair.area)
     _add_openings(graph, scene)
     _add_furnishings(graph, scene, cloud)
@@ -116,7 +117,7 @@ def truth_graph(scene: Scene, building: str, cloud: LabelledCloud, scan_rooms: d
 def _add_storeys(graph: BuildingGraph, scene: Scene) -> None:
     for storey in scene.storeys:
         rooms = [room for room in scene.rooms if room.storey == storey.index]
-        id = f"{graph.building}/s{storey.index}"
+        id = storey_id(graph.building, storey.index)
         graph.add_node(
             id,
             "Storey",
@@ -128,13 +129,13 @@ def _add_storeys(graph: BuildingGraph, scene: Scene) -> None:
         )
         graph.add_edge(graph.building, "HAS_STOREY", id)
     for storey in scene.storeys[1:]:
-        graph.add_edge(f"{graph.building}/s{storey.index - 1}", "BELOW", f"{graph.building}/s{storey.index}")
+        graph.add_edge(storey_id(graph.building, storey.index - 1), "BELOW", storey_id(graph.building, storey.index))
 
 
 def _add_rooms(graph: BuildingGraph, scene: Scene, cloud: LabelledCloud, scan_rooms: dict[str, int]) -> None:
     counts = np.bincount(cloud.room[cloud.room >= 0], minlength=len(scene.rooms))
     for room in scene.rooms:
-        id = _room_id(graph, room.number)
+        id = room_id(graph.building, room.number)
         graph.add_node(
             id,
             "Room",
@@ -149,7 +150,7 @@ def _add_rooms(graph: BuildingGraph, scene: Scene, cloud: LabelledCloud, scan_ro
             point_count=int(counts[room.number]),
             scans=[name for name, number in scan_rooms.items() if number == room.number],
         )
-        graph.add_edge(f"{graph.building}/s{room.storey}", "HAS_ROOM", id)
+        graph.add_edge(storey_id(graph.building, room.storey), "HAS_ROOM", id)
 
 
 def _centroid(room: Room) -> list[float]:
@@ -159,11 +160,11 @@ def _centroid(room: Room) -> list[float]:
 
 def _add_openings(graph: BuildingGraph, scene: Scene) -> None:
     for number, opening in enumerate(scene.openings):
-        id = f"{graph.building}/p{number}"
+        id = opening_id(graph.building, number)
         graph.add_node(id, "Opening", name=f"{opening.kind.capitalize()} {number}", **_opening_properties(opening))
         for room in dict.fromkeys(opening.rooms):
             if room != OUTSIDE:
-                graph.add_edge(_room_id(graph, room), "OPENS", id)
+                graph.add_edge(room_id(graph.building, room), "OPENS", id)
 
 
 def _opening_properties(opening: Opening) -> dict[str, object]:
@@ -186,13 +187,13 @@ def _add_furnishings(graph: BuildingGraph, scene: Scene, cloud: LabelledCloud) -
     seen = places_of(cloud.object, len(scene.furnishings))
     for piece in scene.furnishings:
         corners = scene.mesh.vertices[scene.mesh.triangles[bodies[piece.number]]].reshape(-1, 3)
-        id = f"{graph.building}/o{piece.number}"
+        id = object_id(graph.building, piece.number)
         floor = None if piece.room == OUTSIDE else scene.rooms[piece.room].floor_elevation
         points = cloud.positions[seen[piece.number]]
         properties = _furnishing_properties(corners, points, floor)
         graph.add_node(id, "Object", name=piece.name, segments=[id], parts=1, **properties)
         if piece.room != OUTSIDE:
-            graph.add_edge(_room_id(graph, piece.room), "CONTAINS", id)
+            graph.add_edge(room_id(graph.building, piece.room), "CONTAINS", id)
 
 
 def _furnishing_properties(corners: F64, points: F64, floor: float | None) -> dict[str, object]:
@@ -208,10 +209,6 @@ def _furnishing_properties(corners: F64, points: F64, floor: float | None) -> di
         properties["descriptor"] = describe(points, floor)
         properties["foot_descriptor"] = describe(points, float(points[:, 2].min()))
     return properties
-
-
-def _room_id(graph: BuildingGraph, number: int) -> str:
-    return f"{graph.building}/r{number}"
 
 
 def _bounds(positions: F64) -> list[float]:

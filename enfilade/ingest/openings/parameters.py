@@ -39,8 +39,6 @@ class OpeningParameters:
         Least number of surfels of a wall in a room.
     join_angle_deg, join_offset_m
         Patches of a wall are one side up to this turn and offset.
-    contact_m
-        Floors of two rooms that come this close without a wall touch.
     min_stairs_area_m2
         Smallest hole in a slab.
     storey_m
@@ -65,6 +63,5 @@ class OpeningParameters:
     min_side_surfels: int = 40
     join_angle_deg: float = 8.0
     join_offset_m: float = 0.05
-    contact_m: float = 0.15
     min_stairs_area_m2: float = 0.3
     storey_m: float = 1.0
