@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections import Counter
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -14,6 +14,7 @@ from enfilade.errors import EnfiladeError, InputError
 from enfilade.stores.archive import Archive
 
 if TYPE_CHECKING:
+    from enfilade.evaluate import Evaluation
     from enfilade.simulate import Scene
 
 PATH = click.Path(path_type=Path)
@@ -132,22 +133,51 @@ def _scene(model: Path | None, seed: int, closed: float | None, positions: Path 
 def evaluate_command(ctx: click.Context, prediction: Path, truth: Path, form: str) -> None:
     """Compare a graph and its cloud with the truth.
 
-    Both are folders with graph.json and cloud.ply; PREDICTION may also be the id of a building in the store.
+    Both are folders with graph.json and cloud.ply; PREDICTION may also be the id of a building in the store. Or both
+    are folders of many buildings: NAME/ or NAME.exported/ in PREDICTION, NAME.truth/ or NAME/ in TRUTH.
     """
-    from enfilade.evaluate import evaluate, evaluate_graphs
-
-    if (prediction / "graph.json").is_file():
-        found = evaluate(prediction, truth)
-    else:
-        from enfilade.clouds import read_cloud
-        from enfilade.schema.exchange import read_graph
-
-        archive = open_archive(ctx)
-        building = str(prediction)
-        graph = archive.store.read(building)
-        cloud = read_cloud(archive.cloud_path(building))
-        found = evaluate_graphs(graph, cloud, read_graph(truth / "graph.json"), read_cloud(truth / "cloud.ply"))
+    if not (truth / "graph.json").is_file() and truth.is_dir():
+        ctx.exit(_evaluate_many(prediction, truth, form))
+    found = _evaluate_one(ctx, prediction, truth)
     if form == "json":
         OUT.print_json(json.dumps(found.to_dict()))
     else:
         print_table(("what", "value"), found.to_table())
+        if faults := found.to_fault_table():
+            print_table(("fault", "which", "why"), faults)
+
+
+def _evaluate_one(ctx: click.Context, prediction: Path, truth: Path) -> Evaluation:
+    from enfilade.evaluate import evaluate, evaluate_graphs
+
+    if prediction.is_dir():
+        return evaluate(prediction, truth)
+    from enfilade.clouds import read_cloud
+    from enfilade.schema.exchange import read_graph
+
+    archive = open_archive(ctx)
+    building = str(prediction)
+    graph = archive.store.read(building)
+    cloud = read_cloud(archive.cloud_path(building))
+    return evaluate_graphs(graph, cloud, read_graph(truth / "graph.json"), read_cloud(truth / "cloud.ply"))
+
+
+def _evaluate_many(prediction: Path, truth: Path, form: str) -> int:
+    """Print figures of all buildings and in total; return the exit status, 1 if any failed."""
+    from enfilade.evaluate import evaluate_many, pair_folders, pool
+    from enfilade.evaluate.many import COLUMNS, pooled_figures, summary_rows
+    from enfilade.evaluate.tables import figure_rows
+
+    folders = pair_folders(prediction, truth)
+    records: dict[str, dict[str, Any]] = {}
+    with progress_bars() as bars:
+        bars.start("evaluate", len(folders))
+        for outcome in evaluate_many(folders):
+            records[outcome.name] = outcome.to_dict()
+            bars.advance()
+    if form == "json":
+        OUT.print_json(json.dumps({"buildings": records, "total": pool(records)}))
+    else:
+        print_table(COLUMNS, summary_rows(records))
+        print_table(("in all", "value"), figure_rows(pooled_figures(records)))
+    return 1 if any("error" in record for record in records.values()) else 0

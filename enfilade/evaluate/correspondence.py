@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from enfilade.clouds import LabelledCloud
 from enfilade.errors import InputError
 
+F64 = NDArray[np.float64]
 I32 = NDArray[np.int32]
 I64 = NDArray[np.int64]
 
@@ -18,6 +23,11 @@ CELL_M = 0.02
 """One point a cell of this side is compared, so that surface counts and not the nearness of a scanner."""
 REACH_M = 0.05
 """A predicted point farther away than this says nothing about a true one: walls are thicker."""
+LEAST_COVERED = 0.5
+"""Where less of the true surface has a predicted point near it, one of the clouds may be shifted."""
+_WIDEST_CELLS = 1 << 21
+_SAMPLE = 20_000
+_SURE = 0.7
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,26 +36,46 @@ class Cells:
 
     Attributes
     ----------
-    true_room, predicted_room, true_object, predicted_object
+    positions
+        ``(C, 3) float64``, metres.
+    true_room, predicted_room, true_object, predicted_object, predicted_plane
         ``(C,) int32``, -1 for none.
     structure
         ``(C,)`` whether the truth says wall, floor, ceiling or the like.
+    covered
+        Share of the cells that have a predicted point near them.
     """
 
+    positions: F64
     true_room: I32
     predicted_room: I32
     true_object: I32
     predicted_object: I32
+    predicted_plane: I32
     structure: NDArray[np.bool_]
+    covered: float
 
 
-@dataclass(frozen=True, slots=True)
+Counted = tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True)
 class Overlap:
     """How many cells each true and each predicted label has, and each pair of them; -1 is a label like others."""
 
     true: dict[int, int]
     predicted: dict[int, int]
     both: dict[tuple[int, int], int]
+
+    @cached_property
+    def on_true(self) -> dict[int, Counted]:
+        """Predicted labels on each true one, and how many cells each, the most first."""
+        return _grouped((true, predicted, count) for (true, predicted), count in self.both.items())
+
+    @cached_property
+    def on_predicted(self) -> dict[int, Counted]:
+        """True labels under each predicted one, and how many cells each, the most first."""
+        return _grouped((predicted, true, count) for (true, predicted), count in self.both.items())
 
     def iou(self, true: int, predicted: int) -> float:
         """Intersection over union of two labels."""
@@ -54,29 +84,44 @@ class Overlap:
         return shared / union if union else 0.0
 
 
-def correspond(prediction: LabelledCloud, truth: LabelledCloud) -> Cells:
+def correspond(
+    prediction: LabelledCloud,
+    truth: LabelledCloud,
+    *,
+    rooms: tuple[Collection[int], Collection[int]],
+    objects: tuple[Collection[int], Collection[int]],
+) -> Cells:
     """Give each cell of the true cloud the labels of the nearest predicted point.
+
+    Parameters
+    ----------
+    rooms, objects
+        Numbers that the prediction's and the truth's graph know; other labels count as none.
 
     Raises
     ------
     InputError
-        If no predicted point lies near a true one.
+        If the true cloud is empty, or the predicted one lies elsewhere; it says by how much it is shifted where it is
+        the same building.
     """
-    kept = _one_a_cell(truth.positions)
-    near = _one_a_cell(prediction.positions)
-    found = np.full(len(kept), -1)
-    if len(kept) and len(near):
-        tree = cKDTree(prediction.positions[near], balanced_tree=False, compact_nodes=False)
-        reached, index = tree.query(truth.positions[kept], distance_upper_bound=REACH_M, workers=-1)
-        found = np.where(np.isfinite(reached), near[np.minimum(index, len(near) - 1)], -1)
-    if not (found >= 0).any():
-        raise InputError("The clouds of prediction and truth have no place in common; are they of the same building?")
+    near = _near(prediction.positions, truth.positions)
+    kept, found = nearest_by_cell(prediction.positions, near, truth.positions)
+    covered = float((found >= 0).mean()) if len(kept) else 0.0
+    if covered < LEAST_COVERED:
+        _refuse(prediction.positions, truth.positions, covered)
+
+    def predicted(labels: I32) -> I32:
+        return np.where(found >= 0, labels[found], -1).astype(np.int32)
+
     return Cells(
-        truth.room[kept],
-        np.where(found >= 0, prediction.room[found], -1).astype(np.int32),
-        truth.object[kept],
-        np.where(found >= 0, prediction.object[found], -1).astype(np.int32),
+        truth.positions[kept],
+        _known(truth.room[kept], rooms[1]),
+        _known(predicted(prediction.room), rooms[0]),
+        _known(truth.object[kept], objects[1]),
+        _known(predicted(prediction.object), objects[0]),
+        predicted(prediction.plane),
         _structure(truth)[kept],
+        covered,
     )
 
 
@@ -89,23 +134,106 @@ def overlap(true: I32, predicted: I32) -> Overlap:
     return Overlap(_counts(true), _counts(predicted), both)
 
 
+def nearest_by_cell(prediction: F64, near: NDArray[np.intp], truth: F64) -> tuple[I64, I64]:
+    """Return the first true point of each cell, and the nearest predicted point to it, -1 where none is in reach.
+
+    Most true points have a predicted one in their own cell, and a walk along both sorted lists of cells finds the
+    nearest there; the others ask a tree.
+
+    Parameters
+    ----------
+    near
+        The predicted points to look among.
+    """
+    if len(truth) == 0:
+        return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+    low = truth.min(axis=0) - 2 * REACH_M
+    extent = np.floor((truth.max(axis=0) + 2 * REACH_M - low) / CELL_M).astype(np.int64) + 1
+    if extent.max() > _WIDEST_CELLS:
+        raise InputError(f"The true cloud is {extent.max() * CELL_M / 1000:.0f} km wide; take away its stray points.")
+    true_keys, kept = np.unique(_keys(truth, low, extent), return_index=True)
+    predicted_keys = _keys(prediction[near], low, extent)
+    order = np.argsort(predicted_keys, kind="stable")
+    found = _nearest_in_cell(truth[kept], true_keys, prediction[near], predicted_keys[order], order)
+    left = np.flatnonzero(found < 0)
+    if len(left) and len(near):
+        firsts = order[np.unique(predicted_keys[order], return_index=True)[1]]
+        tree = cKDTree(prediction[near[firsts]], balanced_tree=False, compact_nodes=False)
+        reached, index = tree.query(truth[kept[left]], distance_upper_bound=REACH_M, workers=-1)
+        found[left] = np.where(np.isfinite(reached), firsts[np.minimum(index, len(firsts) - 1)], -1)
+    return kept.astype(np.int64), np.where(found >= 0, near[found] if len(near) else -1, -1)
+
+
+@njit(cache=True)
+def _nearest_in_cell(points: F64, keys: I64, others: F64, other_keys: I64, order: I64) -> I64:  # pragma: no cover
+    """Nearest of the other points in the same cell; `other_keys` are sorted, `order` is where each one stands."""
+    found = np.full(len(keys), -1, dtype=np.int64)
+    place = 0
+    for cell in range(len(keys)):
+        while place < len(other_keys) and other_keys[place] < keys[cell]:
+            place += 1
+        best = np.inf
+        while place < len(other_keys) and other_keys[place] == keys[cell]:
+            other = order[place]
+            distance = 0.0
+            for axis in range(3):
+                distance += (others[other, axis] - points[cell, axis]) ** 2
+            if distance < best:
+                best, found[cell] = distance, other
+            place += 1
+    return found
+
+
+def _keys(points: F64, low: F64, extent: I64) -> I64:
+    cells = np.floor((points - low) / CELL_M).astype(np.int64)
+    keys: I64 = (cells[:, 0] * extent[1] + cells[:, 1]) * extent[2] + cells[:, 2]
+    return keys
+
+
+def _near(points: F64, others: F64) -> NDArray[np.intp]:
+    """Return the points within reach of the bounds of others."""
+    if len(others) == 0:
+        return np.empty(0, dtype=np.intp)
+    low, high = others.min(axis=0) - REACH_M, others.max(axis=0) + REACH_M
+    return np.flatnonzero(((points >= low) & (points <= high)).all(axis=1))
+
+
+def _refuse(prediction: F64, truth: F64, covered: float) -> None:
+    """Raise InputError where the clouds have no place in common, or would have more of it if one were moved."""
+    if len(truth) == 0:
+        raise InputError("The true cloud has no points; there is nothing to compare with.")
+    if len(prediction) == 0:
+        raise InputError("The predicted cloud has no points; there is nothing to compare.")
+    some = truth[:: max(1, len(truth) // _SAMPLE)]
+    tree = cKDTree(prediction[:: max(1, len(prediction) // (50 * _SAMPLE))])
+    ends = [np.percentile(each, (0, 1, 50, 99, 100), axis=0) for each in (prediction, truth)]
+    for way in ends[0] - ends[1]:
+        reached = tree.query(some + way, distance_upper_bound=REACH_M)[0]
+        if np.isfinite(reached).mean() >= max(_SURE, 1.5 * covered):
+            said = ", ".join(f"{step:.2f}" for step in way)
+            raise InputError(f"The prediction lies ({said}) m off the truth; move it back, then compare again.")
+    if covered == 0:
+        raise InputError("The clouds of prediction and truth have no place in common; are they of the same building?")
+
+
+def _known(labels: I32, numbers: Collection[int]) -> I32:
+    """Return labels with those that the graph does not know as none."""
+    return np.where(np.isin(labels, np.fromiter(numbers, dtype=np.int64)), labels, -1).astype(np.int32)
+
+
 def _counts(labels: I32) -> dict[int, int]:
     numbers, counts = np.unique(labels, return_counts=True)
     return dict(zip(numbers.tolist(), counts.tolist(), strict=True))
 
 
-def _structure(truth: LabelledCloud) -> NDArray[np.bool_]:
+def _grouped(counted: Iterable[tuple[int, int, int]]) -> dict[int, Counted]:
+    groups: dict[int, list[tuple[int, int]]] = {}
+    for one, other, count in counted:
+        groups.setdefault(one, []).append((other, count))
+    return {one: tuple(sorted(group, key=lambda pair: (-pair[1], pair[0]))) for one, group in groups.items()}
+
+
+def _structure(truth: LabelledCloud) -> NDArray[Any]:
     """Points on planes of the truth; on anything that is no object where the truth knows no planes."""
     on_plane = truth.plane >= 0
     return (truth.object < 0) & (on_plane if on_plane.any() else True)
-
-
-def _one_a_cell(positions: NDArray[np.float64]) -> I64:
-    """Return the index of the first point of each cell."""
-    if len(positions) == 0:
-        return np.empty(0, dtype=np.int64)
-    cells = np.floor(positions / CELL_M).astype(np.int64)
-    cells -= cells.min(axis=0)
-    extent = cells.max(axis=0) + 1
-    keys = (cells[:, 0] * extent[1] + cells[:, 1]) * extent[2] + cells[:, 2]
-    return np.unique(keys, return_index=True)[1].astype(np.int64)

@@ -1,39 +1,68 @@
-"""The figures of one building, and how they are shown."""
+"""One building: its figures, and what went wrong in it."""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 from enfilade.clouds import LabelledCloud, read_cloud
 from enfilade.schema.exchange import read_graph
 from enfilade.schema.graph import BuildingGraph
 
-from .connectivity import ConnectivityFigures, connectivity_figures
-from .correspondence import correspond
-from .objects import ObjectFigures, object_figures
-from .openings import OpeningFigures, opening_figures, predicted_holes, true_holes
-from .rooms import (
-    MeasureFigures,
-    RoomFigures,
-    StoreyFigures,
-    match_rooms,
-    measure_figures,
-    room_figures,
-    storey_figures,
+from .calibration import CalibrationFigures, calibration_figures
+from .connectivity import (
+    ConnectivityFigures,
+    NeighbourFigures,
+    connectivity_figures,
+    neighbour_faults,
+    neighbour_figures,
 )
+from .correspondence import correspond
+from .faults import Fault, count_causes
+from .holes import predicted_holes, true_holes
+from .matching import Matching, match_rooms
+from .measures import MeasureFigures, StoreyFigures, match_storeys, measure_figures, storey_faults, storey_figures
+from .objects import Furnishings, ObjectFigures, match_objects, object_faults, object_figures
+from .opening_faults import opening_faults
+from .openings import OpeningFigures, Verdicts, judge_openings, opening_figures
+from .rooms import RoomFigures, room_faults, room_figures
 from .sides import side
+from .summary import AllFigures
+from .tables import fault_rows, figure_rows
 
-_MOST_NAMES: Final = 12
+
+@dataclass(frozen=True)
+class Comparison:
+    """Which node of the prediction is which of the truth: what figures, faults and pictures are made of.
+
+    Attributes
+    ----------
+    storeys
+        Predicted storey that stands for each true one, by number.
+    """
+
+    matching: Matching
+    storeys: dict[int, int]
+    verdicts: Verdicts
+    furnishings: Furnishings
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, kw_only=True)
 class Evaluation:
     """How well one building's graph and cloud agree with the truth.
 
     A unit of truth is a room of the truth that a scan stands in: spaces between which there is neither a wall nor a
     lintel are one room there already.
+
+    Attributes
+    ----------
+    covered
+        Share of the true surface that has a predicted point within 5 cm.
+    faults
+        What went wrong, and why.
+    comparison
+        What was compared with what; not part of `to_dict`.
     """
 
     rooms: RoomFigures
@@ -41,15 +70,30 @@ class Evaluation:
     measures: MeasureFigures
     openings: OpeningFigures
     connectivity: ConnectivityFigures
+    neighbours: NeighbourFigures
     objects: ObjectFigures
+    calibration: CalibrationFigures
+    covered: float
+    faults: tuple[Fault, ...]
+    comparison: Comparison = field(repr=False)
+
+    @property
+    def figures(self) -> AllFigures:
+        """The figures alone."""
+        return AllFigures(*(getattr(self, each.name) for each in fields(AllFigures)))
 
     def to_dict(self) -> dict[str, Any]:
-        """Return all figures as nested plain values, for JSON."""
-        return asdict(self)
+        """Return all figures and faults as nested plain values, for JSON."""
+        told = {"covered": self.covered, "causes": count_causes(self.faults)}
+        return self.figures.to_dict() | told | {"faults": [fault.to_dict() for fault in self.faults]}
 
     def to_table(self) -> list[tuple[str, Any]]:
-        """Return rows of (what, value) for people; names of what went wrong at the end, the first dozen of each."""
-        return _figures(self) + [(what, _listed(names)) for what, names in _faults(self) if names]
+        """Return the figures as rows of (what, value) for people."""
+        return [("true surface with a predicted point", self.covered), *figure_rows(self.figures)]
+
+    def to_fault_table(self) -> list[tuple[str, str, str]]:
+        """Return rows of (fault, which, why) for people, the first dozen of each sort."""
+        return fault_rows(self.faults)
 
 
 def evaluate(prediction: Path, truth: Path) -> Evaluation:
@@ -76,68 +120,30 @@ def evaluate_graphs(
         If the clouds have no place in common.
     """
     prediction, truth = side(graph), side(true_graph)
-    cells = correspond(cloud, true_cloud)
-    matching = match_rooms(cells)
-    found, true = predicted_holes(prediction, matching), true_holes(truth)
-    return Evaluation(
-        room_figures(prediction, truth, matching),
-        storey_figures(prediction, truth, matching),
-        measure_figures(prediction, truth, matching),
-        opening_figures(found, true, truth.scanned()),
-        connectivity_figures(found, true, prediction, truth),
-        object_figures(prediction, truth, cells),
+    rooms = (prediction.rooms.keys(), truth.rooms.keys())
+    cells = correspond(cloud, true_cloud, rooms=rooms, objects=(prediction.segments, truth.segments))
+    matching = match_rooms(prediction, truth, cells)
+    storeys = match_storeys(matching)
+    found, true = predicted_holes(matching), true_holes(truth)
+    verdicts = judge_openings(found, true)
+    furnishings = match_objects(prediction, truth, cells)
+    faults = (
+        *room_faults(matching),
+        *storey_faults(matching, storeys),
+        *opening_faults(verdicts, found, true, matching, cells),
+        *neighbour_faults(matching),
+        *object_faults(furnishings),
     )
-
-
-def _listed(names: tuple[str, ...]) -> str:
-    """Return some names in a line; `Evaluation.to_dict` has them all."""
-    more = len(names) - _MOST_NAMES
-    return "; ".join(names[:_MOST_NAMES]) + (f"; and {more} more" if more > 0 else "")
-
-
-def _figures(found: Evaluation) -> list[tuple[str, Any]]:
-    rooms, openings, ways = found.rooms, found.openings, found.connectivity
-    return [
-        ("rooms, predicted of true", f"{rooms.predicted} of {rooms.true}"),
-        ("rooms, F1 at IoU .5", rooms.f1_at_50),
-        ("rooms, F1 at IoU .7", rooms.f1_at_70),
-        ("rooms, mean IoU", rooms.mean_iou),
-        ("rooms, adjusted Rand index", rooms.ari),
-        ("rooms split", len(rooms.split)),
-        ("rooms merged", len(rooms.merged)),
-        ("rooms with stairs, found", f"{rooms.stair_rooms_found} of {rooms.stair_rooms}"),
-        ("storeys, predicted of true", f"{found.storeys.predicted} of {found.storeys.true}"),
-        ("storeys, rooms on the right one", found.storeys.rooms_right),
-        ("area, median relative error", found.measures.area_error),
-        ("floor elevation, median error (m)", found.measures.floor_error_m),
-        ("openings, predicted of true", f"{openings.predicted} of {openings.true}"),
-        ("openings, precision", openings.precision),
-        ("openings, recall", openings.recall),
-        ("openings, median width error (m)", openings.width_error_m),
-        ("openings, median position error (m)", openings.position_error_m),
-        ("openings, kind right", openings.kinds_right),
-        ("closed doors, found", f"{openings.closed_found} of {openings.closed_true}"),
-        ("closed doors, found and marked", openings.closed_marked),
-        ("stairs, found", f"{openings.stairs_found} of {openings.stairs_true}"),
-        ("stairs, invented", openings.stairs_invented),
-        ("connectivity, F1 of room pairs", ways.f1),
-        ("connectivity, reachable pairs, true", ways.true_reachable),
-        ("connectivity, reachable pairs, predicted", ways.predicted_reachable),
-        ("objects, found", found.objects.found),
-        ("objects, mean IoU", found.objects.mean_iou),
-        ("objects, segments for true ones", f"{found.objects.predicted} for {found.objects.true}"),
-    ]
-
-
-def _faults(found: Evaluation) -> list[tuple[str, tuple[str, ...]]]:
-    return [
-        ("rooms missed", found.rooms.missed),
-        ("rooms invented", found.rooms.invented),
-        ("rooms split", found.rooms.split),
-        ("rooms merged", found.rooms.merged),
-        ("rooms on another storey", found.storeys.misplaced),
-        ("openings missed", found.openings.missed),
-        ("openings invented", found.openings.invented),
-        ("closed doors invented", found.openings.closed_invented),
-        ("objects missed", found.objects.missed),
-    ]
+    return Evaluation(
+        rooms=room_figures(matching),
+        storeys=storey_figures(matching, storeys),
+        measures=measure_figures(matching),
+        openings=opening_figures(verdicts),
+        connectivity=connectivity_figures(found, true, matching),
+        neighbours=neighbour_figures(matching),
+        objects=object_figures(furnishings),
+        calibration=calibration_figures(verdicts, matching),
+        covered=cells.covered,
+        faults=faults,
+        comparison=Comparison(matching, storeys, verdicts, furnishings),
+    )

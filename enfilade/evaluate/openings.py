@@ -1,192 +1,414 @@
-"""Doors, passages and stairs: are they there, between the right rooms, as wide as they should be."""
+"""Doors, passages, windows and stairs: are they there, between the right rooms, as large as they should be."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from statistics import median
-from typing import Any
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import ClassVar, Final
 
-import numpy as np
-from numpy.typing import NDArray
+from .figures import Figures, middle, share
+from .holes import DOORS, REACH_M, STAIRS, Hole, Places, pair_holes
 
-from .rooms import Matching
-from .sides import Side, label
-
-REACH_M = 0.3
-"""An opening is the same one within this distance of the centres."""
-_DOORS = ("door", "passage")
-_STAIRS = ("stairs", "hatch")
+_SIZES: Final = ("width", "height", "sill")
 
 
 @dataclass(frozen=True, slots=True)
-class OpeningFigures:
-    """How well openings between scanned rooms were found.
+class KindFigures(Figures):
+    """How well openings of one kind were found.
 
     Attributes
     ----------
-    true, predicted
-        Numbers of doors and passages that are open, between two scanned rooms.
-    precision, recall
-        Of those: right where they join the right two rooms within `REACH_M` of the true centre.
-    width_error_m, position_error_m
-        Median errors of those found.
-    kinds_right
-        Share of those found that are a door where the truth has a door, a passage where it has a passage.
-    missed, invented
-        Those that were not found, and those that are not there.
-    closed_true, closed_found, closed_marked
-        Closed doors, how many of them were found, and how many of these are marked as closed.
-    closed_invented
-        Predicted closed doors that are not there; they do not count in `precision`.
-    stairs_true, stairs_found, stairs_invented
-        Stairs and hatches, by the rooms that they join.
+    true, found, invented
+        Openings asked for, those of them that were found, and predicted ones that are not there.
+    position_errors_m, width_errors_m, height_errors_m, sill_errors_m
+        Of those found.
     """
 
-    true: int
-    predicted: int
-    precision: float | None
-    recall: float | None
-    width_error_m: float | None
-    position_error_m: float | None
-    kinds_right: float | None
-    missed: tuple[str, ...]
-    invented: tuple[str, ...]
-    closed_true: int
-    closed_found: int
-    closed_marked: int
-    closed_invented: tuple[str, ...]
-    stairs_true: int
-    stairs_found: int
-    stairs_invented: int
+    DERIVED: ClassVar[tuple[str, ...]] = (
+        "predicted",
+        "precision",
+        "recall",
+        "position_error_m",
+        "width_error_m",
+        "height_error_m",
+        "sill_error_m",
+    )
+
+    true: int = 0
+    found: int = 0
+    invented: int = 0
+    position_errors_m: tuple[float, ...] = ()
+    width_errors_m: tuple[float, ...] = ()
+    height_errors_m: tuple[float, ...] = ()
+    sill_errors_m: tuple[float, ...] = ()
+
+    @property
+    def predicted(self) -> int:
+        """Predicted openings that are judged."""
+        return self.found + self.invented
+
+    @property
+    def precision(self) -> float | None:
+        """Of the predicted ones, the share that is there."""
+        return share(self.found, self.predicted)
+
+    @property
+    def recall(self) -> float | None:
+        """Of the true ones, the share that was found."""
+        return share(self.found, self.true)
+
+    @property
+    def position_error_m(self) -> float | None:
+        """Median distance of the centres."""
+        return middle(self.position_errors_m)
+
+    @property
+    def width_error_m(self) -> float | None:
+        """Median error of the widths."""
+        return middle(self.width_errors_m)
+
+    @property
+    def height_error_m(self) -> float | None:
+        """Median error of the heights."""
+        return middle(self.height_errors_m)
+
+    @property
+    def sill_error_m(self) -> float | None:
+        """Median error of the sills."""
+        return middle(self.sill_errors_m)
 
 
 @dataclass(frozen=True, slots=True)
-class Hole:
-    """An opening with the true rooms that it joins; None for rooms that are nobody's match, the outside left out."""
+class OpeningFigures(Figures):
+    """How well openings were found.
 
-    name: str
-    properties: dict[str, Any]
-    rooms: tuple[int | None, ...]
+    Attributes
+    ----------
+    open, ajar, closed, unstated
+        Doors and passages between two scanned rooms, by the state that the truth says; a predicted one that is not
+        there counts as invented among the open ones, or among the closed ones where it says that it is closed.
+    outside
+        Doors and passages from a scanned room to the outside, in any state.
+    windows
+        Windows of scanned rooms.
+    stairs
+        Stairs and hatches between scanned rooms, by the rooms alone.
+    apart
+        Doors and passages from a scanned room to one that no scan stands in.
+    kinds_right_count
+        Open ones found that are a door where there is a door, a passage where there is a passage.
+    closed_marked, ajar_marked
+        Closed, and ajar, doors that were found and say so.
+    closed_confidences
+        What the closed doors that were found say of their confidence.
+    missed, invented, closed_invented
+        Names of open ones missed, and of open and of closed ones that are not there.
+    """
+
+    DERIVED: ClassVar[tuple[str, ...]] = (
+        "true",
+        "predicted",
+        "precision",
+        "recall",
+        "width_error_m",
+        "position_error_m",
+        "kinds_right",
+        "closed_true",
+        "closed_found",
+        "closed_confidence",
+        "stairs_true",
+        "stairs_found",
+        "stairs_invented",
+    )
+
+    open: KindFigures = KindFigures()
+    ajar: KindFigures = KindFigures()
+    closed: KindFigures = KindFigures()
+    unstated: KindFigures = KindFigures()
+    outside: KindFigures = KindFigures()
+    windows: KindFigures = KindFigures()
+    stairs: KindFigures = KindFigures()
+    apart: KindFigures = KindFigures()
+    kinds_right_count: int = 0
+    closed_marked: int = 0
+    ajar_marked: int = 0
+    closed_confidences: tuple[float, ...] = ()
+    missed: tuple[str, ...] = ()
+    invented: tuple[str, ...] = ()
+    closed_invented: tuple[str, ...] = ()
 
     @property
-    def joins(self) -> frozenset[int] | None:
-        """The two true rooms that it joins, or None where it does not join two that are known."""
-        known = frozenset(room for room in self.rooms if room is not None)
-        return known if len(self.rooms) == 2 and len(known) == 2 else None
+    def true(self) -> int:
+        """Open doors and passages between scanned rooms."""
+        return self.open.true
 
     @property
-    def kind(self) -> str:
-        """Kind, empty where unknown."""
-        return str(self.properties.get("kind", ""))
+    def predicted(self) -> int:
+        """Predicted ones, without those of closed and ajar doors."""
+        return self.open.predicted
 
     @property
-    def closed(self) -> bool:
-        """Whether its leaf was closed."""
-        return self.properties.get("state") == "closed"
+    def precision(self) -> float | None:
+        """Of `predicted`, the share that joins the right two rooms within reach of the true centre."""
+        return self.open.precision
 
-    def distance(self, other: Hole) -> float:
-        """Distance of the centres, metres."""
-        return float(np.linalg.norm(self._position() - other._position()))
+    @property
+    def recall(self) -> float | None:
+        """Of `true`, the share that was found so."""
+        return self.open.recall
 
-    def _position(self) -> NDArray[np.float64]:
-        return np.asarray(self.properties.get("position", (np.inf, np.inf, np.inf)), dtype=np.float64)
+    @property
+    def width_error_m(self) -> float | None:
+        """Median error of the widths of open ones."""
+        return self.open.width_error_m
+
+    @property
+    def position_error_m(self) -> float | None:
+        """Median distance of the centres of open ones."""
+        return self.open.position_error_m
+
+    @property
+    def kinds_right(self) -> float | None:
+        """Share of the open ones found whose kind is right."""
+        return share(self.kinds_right_count, self.open.found)
+
+    @property
+    def closed_true(self) -> int:
+        """Closed doors between scanned rooms."""
+        return self.closed.true
+
+    @property
+    def closed_found(self) -> int:
+        """Those found, in whatever state."""
+        return self.closed.found
+
+    @property
+    def closed_confidence(self) -> float | None:
+        """Median confidence of the closed doors found."""
+        return middle(self.closed_confidences)
+
+    @property
+    def stairs_true(self) -> int:
+        """Stairs and hatches between scanned rooms."""
+        return self.stairs.true
+
+    @property
+    def stairs_found(self) -> int:
+        """Those found."""
+        return self.stairs.found
+
+    @property
+    def stairs_invented(self) -> int:
+        """Predicted ones that are not there."""
+        return self.stairs.invented
 
 
-def true_holes(truth: Side) -> list[Hole]:
-    """Return the openings of the truth."""
-    nodes = truth.graph.of_label("Opening")
-    return [Hole(_name(node.id, truth), node.properties, truth.rooms_of(node.id)) for node in nodes]
+@dataclass(frozen=True)
+class Verdict:
+    """Openings of one kind: which true one is which predicted one, and what is left over on either side.
+
+    Attributes
+    ----------
+    kind
+        ``door``, ``outside door``, ``window``, ``stairs``, ``door to an unscanned room``.
+    pairs
+        (predicted, true), in order of the truth.
+    missed
+        True ones without a partner that counts.
+    invented
+        Predicted ones that are not there.
+    """
+
+    kind: str
+    pairs: tuple[tuple[Hole, Hole], ...] = ()
+    missed: tuple[Hole, ...] = ()
+    invented: tuple[Hole, ...] = ()
 
 
-def predicted_holes(prediction: Side, matching: Matching) -> list[Hole]:
-    """Return the openings of the prediction, in terms of true rooms."""
-    true_of = matching.true_of()
-    return [
-        Hole(_name(node.id, prediction), node.properties, tuple(map(true_of.get, prediction.rooms_of(node.id))))
-        for node in prediction.graph.of_label("Opening")
-    ]
+@dataclass(frozen=True)
+class Verdicts:
+    """All openings, judged.
+
+    Attributes
+    ----------
+    doors
+        Between two scanned rooms, in any state. `missed` has an open one that the prediction says is closed, too.
+    outside, windows, stairs, apart
+        The others; see `OpeningFigures`.
+    excused
+        Predicted openings that nothing can be said of: they lie at a true opening that is not asked for.
+    """
+
+    doors: Verdict
+    outside: Verdict
+    windows: Verdict
+    stairs: Verdict
+    apart: Verdict
+    excused: tuple[Hole, ...] = field(default=())
+
+    @property
+    def all(self) -> tuple[Verdict, ...]:
+        """All kinds."""
+        return (self.doors, self.outside, self.windows, self.stairs, self.apart)
+
+    @property
+    def right(self) -> frozenset[str]:
+        """Keys of predicted openings that are there."""
+        return frozenset(found.id for verdict in self.all for found, _ in verdict.pairs)
 
 
-def opening_figures(found: list[Hole], true: list[Hole], scanned: frozenset[int]) -> OpeningFigures:
-    """Compare doors and passages one to one, nearest first, and stairs by the rooms that they join."""
-    doors = [hole for hole in true if hole.kind in _DOORS]
-    inner = [hole for hole in doors if hole.joins is not None and hole.joins <= scanned]
-    beyond = [hole for hole in doors if hole.joins is None or not hole.joins <= scanned]
-    candidates = [hole for hole in found if hole.kind in _DOORS and len(hole.rooms) == 2]
-    pairs = _pair(candidates, inner)
-    opened = [(p, t) for p, t in pairs if not inner[t].closed]
-    closed = [(p, t) for p, t in pairs if inner[t].closed]
-    loose = _unpaired(candidates, [p for p, _ in pairs])
-    loose = [hole for hole in loose if not any(hole.distance(other) <= REACH_M for other in beyond)]
-    invented = [hole for hole in loose if not hole.closed]
-    wanted = [hole for hole in inner if not hole.closed]
-    predicted = len(opened) + len(invented)
-    right = [(candidates[p], inner[t]) for p, t in opened]
-    stairs_true, stairs_found, stairs_invented = _stairs(found, true, scanned)
-    return OpeningFigures(
-        true=len(wanted),
-        predicted=predicted,
-        precision=len(right) / predicted if predicted else None,
-        recall=len(right) / len(wanted) if wanted else None,
-        width_error_m=_width_error(right),
-        position_error_m=median(p.distance(t) for p, t in right) if right else None,
-        kinds_right=sum(p.kind == t.kind for p, t in right) / len(right) if right else None,
-        missed=_names(hole for hole in _unpaired(inner, [t for _, t in pairs]) if not hole.closed),
-        invented=_names(invented),
-        closed_true=sum(hole.closed for hole in inner),
-        closed_found=len(closed),
-        closed_marked=sum(candidates[p].closed for p, _ in closed),
-        closed_invented=_names(hole for hole in loose if hole.closed),
-        stairs_true=stairs_true,
-        stairs_found=stairs_found,
-        stairs_invented=stairs_invented,
+def judge_openings(found: Sequence[Hole], true: Sequence[Hole]) -> Verdicts:
+    """Decide which predicted opening is which true one."""
+    inner = [hole for hole in true if hole.kind in DOORS and len(hole.rooms) == 2 and not hole.apart]
+    outer = [hole for hole in true if hole.kind in DOORS and len(hole.rooms) == 1 and not hole.apart]
+    beyond = [hole for hole in true if hole.kind in DOORS and hole.apart]
+    said = [hole for hole in found if hole.kind in DOORS and not hole.apart]
+    pairs = pair_holes([hole for hole in said if len(hole.rooms) == 2], inner, agree=_same_state)
+    loose = _without([hole for hole in said if len(hole.rooms) == 2], pairs.values())
+    elsewhere = Places([*outer, *beyond])
+    excused = [hole for hole in loose if None in hole.rooms and elsewhere.about(hole, REACH_M)]
+    doors = _verdict("door", pairs, inner, _without(loose, excused))
+    outside, at_apart = _judge_outside(said, excused, outer, Places(beyond))
+    windows = _judge("window", found, true, ("window",), REACH_M)
+    stairs = _judge("stairs", found, true, STAIRS, float("inf"))
+    apart = _judge_apart(found, beyond)
+    used = {hole.id for hole, _ in outside.pairs}
+    return Verdicts(
+        doors,
+        outside,
+        windows,
+        stairs,
+        apart,
+        tuple(hole for hole in [*excused, *at_apart] if hole.id not in used),
     )
 
 
-def _pair(found: Sequence[Hole], true: Sequence[Hole]) -> list[tuple[int, int]]:
-    """Pairs (place in found, place in true) that join the same two rooms within reach, nearest first."""
-    by_rooms: dict[frozenset[int] | None, list[int]] = {}
-    for t, hole in enumerate(true):
-        by_rooms.setdefault(hole.joins, []).append(t)
-    near = [
-        (hole.distance(true[t]), p, t)
-        for p, hole in enumerate(found)
-        if hole.joins is not None
-        for t in by_rooms.get(hole.joins, [])
+def opening_figures(verdicts: Verdicts) -> OpeningFigures:
+    """Count what was found, by kind and state."""
+    doors = verdicts.doors
+    told = any(true.properties.get("state") is not None for true in _true_of(doors) if true.kind == "door")
+
+    def of(state: str) -> list[tuple[Hole, Hole]]:
+        return [pair for pair in doors.pairs if _state(pair[1], told=told) == state]
+
+    def number(state: str) -> int:
+        return sum(_state(hole, told=told) == state for hole in _true_of(doors))
+
+    invented = [hole for hole in doors.invented if not hole.closed]
+    closed_invented = [hole for hole in doors.invented if hole.closed]
+    right = [(found, true) for found, true in of("open") if not found.closed]
+    wrong_state = [true for found, true in of("open") if found.closed]
+    missed = [true for true in doors.missed if _state(true, told=told) == "open"]
+    confidences = [found.properties.get("confidence") for found, _ in of("closed")]
+    return OpeningFigures(
+        open=_figures(right, number("open"), len(invented)),
+        ajar=_figures(of("ajar"), number("ajar"), 0),
+        closed=_figures(of("closed"), number("closed"), len(closed_invented)),
+        unstated=_figures(of("unstated"), number("unstated"), 0),
+        outside=_of_verdict(verdicts.outside),
+        windows=_of_verdict(verdicts.windows),
+        stairs=_of_verdict(verdicts.stairs),
+        apart=_of_verdict(verdicts.apart),
+        kinds_right_count=sum(found.kind == true.kind for found, true in right),
+        closed_marked=sum(found.closed for found, _ in of("closed")),
+        ajar_marked=sum(found.state == "ajar" for found, _ in of("ajar")),
+        closed_confidences=tuple(float(value) for value in confidences if value is not None),
+        missed=tuple(hole.name for hole in _in_order([*missed, *wrong_state], doors)),
+        invented=tuple(hole.name for hole in invented),
+        closed_invented=tuple(hole.name for hole in closed_invented),
+    )
+
+
+def _state(true: Hole, *, told: bool) -> str:
+    """State of a true door; where the truth says no state of any door they are all taken as open."""
+    return true.state or ("unstated" if told else "open")
+
+
+def _same_state(found: Hole, true: Hole) -> bool:
+    return true.state is None or found.closed == true.closed
+
+
+def _judge(kind: str, found: Sequence[Hole], true: Sequence[Hole], kinds: Sequence[str], reach_m: float) -> Verdict:
+    """Pair all openings of some kinds that no unscanned room is at; those at an unscanned one are left out."""
+    asked = [
+        hole for hole in true if hole.kind in kinds and not hole.apart and (kind != "stairs" or len(hole.rooms) == 2)
     ]
-    pairs: dict[int, int] = {}
-    for distance, p, t in sorted(near):
-        if distance <= REACH_M and p not in pairs and t not in pairs.values():
-            pairs[p] = t
-    return list(pairs.items())
+    said = [hole for hole in found if hole.kind in kinds and not hole.apart]
+    pairs = pair_holes(said, asked, reach_m=reach_m)
+    excuses = Places(hole for hole in true if hole.kind in kinds and hole.apart)
+    loose = _without(said, pairs.values())
+    return _verdict(kind, pairs, asked, [hole for hole in loose if not excuses.about(hole, REACH_M)])
 
 
-def _unpaired(holes: Sequence[Hole], taken: Sequence[int]) -> list[Hole]:
-    gone = set(taken)
-    return [hole for place, hole in enumerate(holes) if place not in gone]
+def _judge_outside(
+    said: Sequence[Hole], excused: Sequence[Hole], outer: Sequence[Hole], beyond: Places
+) -> tuple[Verdict, list[Hole]]:
+    """Pair doors to the outside; a predicted room out there counts as the outside. Also those at unscanned rooms."""
+    single = [hole for hole in said if len(hole.rooms) < 2]
+    outdoors = [
+        Hole(hole.id, hole.name, hole.properties, tuple(room for room in hole.rooms if room is not None))
+        for hole in excused
+    ]
+    pairs = pair_holes([*single, *outdoors], outer)
+    loose = _without(single, pairs.values())
+    at_apart = [hole for hole in loose if beyond.about(hole, REACH_M)]
+    return _verdict("outside door", pairs, outer, _without(loose, at_apart)), at_apart
 
 
-def _stairs(found: list[Hole], true: list[Hole], scanned: frozenset[int]) -> tuple[int, int, int]:
-    """Return numbers of true stairs between scanned rooms, of those found, and of predicted ones that are not there."""
-    wanted = {hole.joins for hole in true if hole.kind in _STAIRS and hole.joins and hole.joins <= scanned}
-    excused = {hole.joins for hole in true if hole.kind in _STAIRS}
-    predicted = [hole.joins for hole in found if hole.kind in _STAIRS and len(hole.rooms) == 2]
-    right = wanted & set(predicted)
-    return len(wanted), len(right), sum(1 for joins in predicted if joins is None or joins not in excused)
+def _judge_apart(found: Sequence[Hole], beyond: Sequence[Hole]) -> Verdict:
+    """Doors to rooms without a scan: at the right place, from a scanned room."""
+    asked = [hole for hole in beyond if len(hole.rooms) == 2]
+    said = [hole for hole in found if hole.kind in DOORS and hole.apart]
+    places, taken, pairs = Places(asked), set[str](), dict[str, Hole]()
+    for hole in said:
+        near = [
+            true for true in places.about(hole, REACH_M) if true.id not in taken and set(true.rooms) & set(hole.rooms)
+        ]
+        if near:
+            taken.add(near[0].id)
+            pairs[near[0].id] = hole
+    return _verdict("door to an unscanned room", pairs, asked, _without(said, pairs.values()))
 
 
-def _width_error(right: list[tuple[Hole, Hole]]) -> float | None:
-    widths = [(p.properties.get("width"), t.properties.get("width")) for p, t in right]
-    errors = [abs(here - there) for here, there in widths if here is not None and there is not None]
-    return median(errors) if errors else None
+def _verdict(kind: str, pairs: dict[str, Hole], true: Sequence[Hole], invented: Iterable[Hole]) -> Verdict:
+    return Verdict(
+        kind,
+        tuple((pairs[hole.id], hole) for hole in true if hole.id in pairs),
+        tuple(hole for hole in true if hole.id not in pairs),
+        tuple(invented),
+    )
 
 
-def _names(holes: Any) -> tuple[str, ...]:
-    return tuple(hole.name for hole in holes)
+def _figures(right: Sequence[tuple[Hole, Hole]], true: int, invented: int) -> KindFigures:
+    errors = {size: _errors(right, size) for size in _SIZES}
+    positions = (
+        found.distance(hole) for found, hole in right if found.position is not None and hole.position is not None
+    )
+    return KindFigures(true, len(right), invented, tuple(positions), *(errors[size] for size in _SIZES))
 
 
-def _name(opening: str, where: Side) -> str:
-    """Key and name of an opening, with the rooms that it joins."""
-    rooms = " – ".join(where.name(room) for room in where.rooms_of(opening))
-    return f"{label(where.graph.nodes[opening])} ({rooms or 'no room'})"
+def _of_verdict(verdict: Verdict) -> KindFigures:
+    return _figures(verdict.pairs, len(verdict.pairs) + len(verdict.missed), len(verdict.invented))
+
+
+def _errors(right: Sequence[tuple[Hole, Hole]], size: str) -> tuple[float, ...]:
+    sizes = [(found.properties.get(size), true.properties.get(size)) for found, true in right]
+    return tuple(abs(here - there) for here, there in sizes if here is not None and there is not None)
+
+
+def _true_of(verdict: Verdict) -> list[Hole]:
+    return [*(true for _, true in verdict.pairs), *verdict.missed]
+
+
+def _in_order(holes: list[Hole], verdict: Verdict) -> list[Hole]:
+    order = {hole.id: place for place, hole in enumerate(sorted(_true_of(verdict), key=lambda hole: _number(hole.id)))}
+    return sorted(holes, key=lambda hole: order[hole.id])
+
+
+def _number(id: str) -> int:
+    return int(id.rsplit("p", 1)[-1])
+
+
+def _without(holes: Sequence[Hole], gone: Iterable[Hole]) -> list[Hole]:
+    ids = {hole.id for hole in gone}
+    return [hole for hole in holes if hole.id not in ids]

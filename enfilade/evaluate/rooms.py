@@ -1,197 +1,199 @@
-"""Rooms: one-to-one matching by the surface they share, and what follows from it."""
+"""Rooms: found, missed, invented, split and merged, and why."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Set
+from collections.abc import Iterable, Iterator, Set
 from dataclasses import dataclass
-from statistics import median
+from typing import ClassVar, Final
 
 import numpy as np
 
-from .correspondence import Cells, Overlap, overlap
+from .correspondence import CELL_M, Overlap
+from .faults import Fault
+from .figures import Figures, f1, share
+from .matching import STRICT_IOU, Matching
 from .sides import Side
 
-MATCH_IOU = 0.5
-"""Two rooms are the same from this intersection over union on."""
-STRICT_IOU = 0.7
-SPLIT_SHARE = 0.1
-"""A part of a room from this share of it on makes a room split; less is fraying at the edges."""
+SEEN_M2: Final = 1.0
+"""A room of which less surface was seen is not there to be found."""
+_LEAK: Final = 0.1
 
 
 @dataclass(frozen=True, slots=True)
-class RoomFigures:
+class ApartFigures(Figures):
+    """Rooms that are reported apart: how many there are, were found, and say what they are.
+
+    Attributes
+    ----------
+    true
+        Those of which at least `SEEN_M2` of structure was seen.
+    found
+        Those matched at .5.
+    marked
+        Of rooms seen from outside: those found that name no scan, either.
+    """
+
+    true: int = 0
+    found: int = 0
+    marked: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class RoomFigures(Figures):
     """How well rooms were found.
 
     Attributes
     ----------
     true, predicted
-        Numbers of rooms. Rooms that no scan stands in are left out of the truth, and so are predictions of them.
-    f1_at_50, f1_at_70
-        F1 of the rooms matched at an intersection over union of at least .5 and .7.
-    mean_iou
-        Mean intersection over union of the matched rooms.
-    ari
-        Adjusted Rand index of the room labels on the structure of the true rooms.
-    split
-        True rooms that two or more predicted ones lie in, each with at least a tenth of the room.
-    merged
-        Predicted rooms that most of two or more true ones lie in.
-    missed, invented
-        True and predicted rooms without a match at .5.
+        Numbers of rooms. Rooms that no scan stands in, stair wells and roof spaces are left out of the truth, and so
+        are predictions of them.
+    matched, matched_strict
+        Rooms matched at an intersection over union of at least .5 and .7.
+    iou_sum
+        Of the matched rooms.
+    split_count, merged_count
+        Scanned true rooms that several predicted ones lie in; predicted rooms that hold several scanned true ones.
+    cells, pairs_together, pairs_true, pairs_predicted
+        What the Rand index of the labels on the structure of the scanned rooms is made of.
+    all_true, all_predicted, all_matched
+        With everything that is otherwise left out, if seen.
+    unscanned, stair_wells, roof_spaces
+        The rooms that are reported apart.
     stair_rooms, stair_rooms_found
-        True rooms that stairs lead to, and how many of them are matched at .5.
+        Scanned true rooms that stairs lead to, and how many of them are matched.
+    split, merged, missed, invented
+        Names.
     """
 
-    true: int
-    predicted: int
-    f1_at_50: float
-    f1_at_70: float
-    mean_iou: float | None
-    ari: float
-    split: tuple[str, ...]
-    merged: tuple[str, ...]
-    missed: tuple[str, ...]
-    invented: tuple[str, ...]
-    stair_rooms: int
-    stair_rooms_found: int
+    DERIVED: ClassVar[tuple[str, ...]] = ("f1_at_50", "f1_at_70", "f1_of_all", "mean_iou", "ari")
+
+    true: int = 0
+    predicted: int = 0
+    matched: int = 0
+    matched_strict: int = 0
+    iou_sum: float = 0.0
+    split_count: int = 0
+    merged_count: int = 0
+    cells: int = 0
+    pairs_together: float = 0.0
+    pairs_true: float = 0.0
+    pairs_predicted: float = 0.0
+    all_true: int = 0
+    all_predicted: int = 0
+    all_matched: int = 0
+    unscanned: ApartFigures = ApartFigures()
+    stair_wells: ApartFigures = ApartFigures()
+    roof_spaces: ApartFigures = ApartFigures()
+    stair_rooms: int = 0
+    stair_rooms_found: int = 0
+    split: tuple[str, ...] = ()
+    merged: tuple[str, ...] = ()
+    missed: tuple[str, ...] = ()
+    invented: tuple[str, ...] = ()
+
+    @property
+    def f1_at_50(self) -> float:
+        """F1 of the rooms matched at an intersection over union of at least .5."""
+        return f1(self.matched, self.predicted, self.true)
+
+    @property
+    def f1_at_70(self) -> float:
+        """F1 of the rooms matched at .7."""
+        return f1(self.matched_strict, self.predicted, self.true)
+
+    @property
+    def f1_of_all(self) -> float:
+        """F1 at .5 with the rooms that are reported apart."""
+        return f1(self.all_matched, self.all_predicted, self.all_true)
+
+    @property
+    def mean_iou(self) -> float | None:
+        """Mean intersection over union of the matched rooms."""
+        return share(self.iou_sum, self.matched)
+
+    @property
+    def ari(self) -> float:
+        """Adjusted Rand index, 1 for the same partition, 0 for chance."""
+        together = (self.pairs_together, self.pairs_true, self.pairs_predicted)
+        return _adjusted(*together, self.cells * (self.cells - 1) / 2)
 
 
-@dataclass(frozen=True, slots=True)
-class StoreyFigures:
-    """Storeys, and on which of them the matched rooms are.
-
-    Attributes
-    ----------
-    true, predicted
-        Numbers of storeys.
-    rooms_right
-        Share of matched rooms on their true storey.
-    misplaced
-        True rooms that are not.
-    """
-
-    true: int
-    predicted: int
-    rooms_right: float | None
-    misplaced: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class MeasureFigures:
-    """Median errors over the matched rooms: of the area, relative to the true one, and of the floor, in metres."""
-
-    area_error: float | None
-    floor_error_m: float | None
-
-
-@dataclass(frozen=True, slots=True)
-class Matching:
-    """Which predicted room is which true one, by number, and how well they overlap.
-
-    Attributes
-    ----------
-    pairs
-        (true, predicted, intersection over union), best first; at least `MATCH_IOU`.
-    overlap
-        On structure.
-    """
-
-    pairs: tuple[tuple[int, int, float], ...]
-    overlap: Overlap
-
-    def true_of(self) -> dict[int, int]:
-        """Return the true room of each matched predicted one."""
-        return {predicted: true for true, predicted, _ in self.pairs}
-
-
-def match_rooms(cells: Cells) -> Matching:
-    """Match rooms one to one, best intersection over union first, ties by number."""
-    shared = overlap(cells.true_room[cells.structure], cells.predicted_room[cells.structure])
-    candidates = [(true, predicted, shared.iou(true, predicted)) for true, predicted in shared.both]
-    candidates = [pair for pair in candidates if min(pair[:2]) >= 0 and pair[2] >= MATCH_IOU]
-    pairs, taken_true, taken_predicted = [], set(), set()
-    for pair in sorted(candidates, key=lambda pair: (-pair[2], pair[0], pair[1])):
-        if pair[0] not in taken_true and pair[1] not in taken_predicted:
-            pairs.append(pair)
-            taken_true.add(pair[0])
-            taken_predicted.add(pair[1])
-    return Matching(tuple(pairs), shared)
-
-
-def room_figures(prediction: Side, truth: Side, matching: Matching) -> RoomFigures:
+def room_figures(matching: Matching) -> RoomFigures:
     """Count rooms found, missed, invented, split and merged."""
-    scanned = truth.scanned()
-    pairs = [pair for pair in matching.pairs if pair[0] in scanned]
-    matched, matched_predicted = {pair[0] for pair in pairs}, {pair[1] for pair in pairs}
-    unscanned = truth.rooms.keys() - scanned
-    predicted = sorted(prediction.rooms.keys() - (_lying_in(unscanned, matching.overlap) - matched_predicted))
-    stair_rooms = _stair_rooms(truth) & scanned
+    prediction, truth, asked = matching.prediction, matching.truth, matching.asked
+    pairs = [pair for pair in matching.pairs if pair[0] in asked]
+    predicted = prediction.rooms.keys() - matching.not_asked
+    seen = _seen(matching)
+    stair_rooms = _stair_rooms(truth) & truth.scanned
+    together, in_true, in_predicted, cells = _pair_counts(matching.overlap, truth.scanned)
     return RoomFigures(
-        true=len(scanned),
+        true=len(asked),
         predicted=len(predicted),
-        f1_at_50=f1(len(pairs), len(predicted), len(scanned)),
-        f1_at_70=f1(sum(iou >= STRICT_IOU for _, _, iou in pairs), len(predicted), len(scanned)),
-        mean_iou=sum(iou for _, _, iou in pairs) / len(pairs) if pairs else None,
-        ari=adjusted_rand_index(matching.overlap, scanned),
-        split=_split(prediction, truth, matching.overlap, scanned),
-        merged=_merged(prediction, truth, matching.overlap, scanned),
-        missed=tuple(truth.name(room) for room in sorted(scanned - matched)),
-        invented=tuple(prediction.name(room) for room in predicted if room not in matched_predicted),
+        matched=len(pairs),
+        matched_strict=sum(iou >= STRICT_IOU for _, _, iou in pairs),
+        iou_sum=sum(iou for _, _, iou in pairs),
+        split_count=len(matching.split),
+        merged_count=len(matching.merged),
+        cells=cells,
+        pairs_together=together,
+        pairs_true=in_true,
+        pairs_predicted=in_predicted,
+        all_true=len(seen | asked),
+        all_predicted=len(prediction.rooms),
+        all_matched=sum(pair[0] in seen | asked for pair in matching.pairs),
+        unscanned=_apart(matching, (truth.rooms.keys() - truth.scanned) & seen),
+        stair_wells=_apart(matching, truth.stair_wells & truth.scanned),
+        roof_spaces=_apart(matching, truth.roof_spaces & truth.scanned),
         stair_rooms=len(stair_rooms),
-        stair_rooms_found=len(stair_rooms & matched),
+        stair_rooms_found=len(stair_rooms & matching.predicted_of.keys()),
+        split=tuple(f"{truth.name(true)} into {prediction.names(parts)}" for true, parts in matching.split.items()),
+        merged=tuple(f"{truth.names(rooms)} in {prediction.name(p)}" for p, rooms in matching.merged.items()),
+        missed=tuple(truth.name(room) for room in _missed(matching)),
+        invented=tuple(prediction.name(room) for room in _invented(matching)),
     )
 
 
-def storey_figures(prediction: Side, truth: Side, matching: Matching) -> StoreyFigures:
-    """Count matched rooms on their true storey; storeys are matched one to one by the rooms that they share."""
-    placed = [
-        (true, truth.storeys[true], prediction.storeys[predicted])
-        for true, predicted, _ in matching.pairs
-        if true in truth.storeys and predicted in prediction.storeys
-    ]
-    counts: dict[tuple[int, int], int] = {}
-    for _, true_storey, predicted_storey in placed:
-        counts[true_storey, predicted_storey] = counts.get((true_storey, predicted_storey), 0) + 1
-    same: dict[int, int] = {}
-    for true_storey, predicted_storey in sorted(counts, key=lambda pair: (-counts[pair], pair)):
-        if true_storey not in same and predicted_storey not in same.values():
-            same[true_storey] = predicted_storey
-    wrong = sorted(true for true, there, here in placed if same.get(there) != here)
-    return StoreyFigures(
-        true=sum(1 for _ in truth.graph.of_label("Storey")),
-        predicted=sum(1 for _ in prediction.graph.of_label("Storey")),
-        rooms_right=1 - len(wrong) / len(placed) if placed else None,
-        misplaced=tuple(truth.name(room) for room in wrong),
-    )
-
-
-def measure_figures(prediction: Side, truth: Side, matching: Matching) -> MeasureFigures:
-    """Compare areas and floor elevations of the matched rooms that have both."""
-    areas = list(_both(prediction, truth, matching, "area"))
-    floors = list(_both(prediction, truth, matching, "floor_elevation"))
-    return MeasureFigures(
-        median(abs(found / true - 1) for true, found in areas) if areas else None,
-        median(abs(found - true) for true, found in floors) if floors else None,
-    )
+def room_faults(matching: Matching) -> Iterator[Fault]:
+    """Yield what is wrong with rooms, and why."""
+    prediction, truth = matching.prediction, matching.truth
+    for true, parts in matching.split.items():
+        why = f"into {prediction.names(parts)}"
+        yield _fault(truth, "truth", "split", true, "split", why, prediction.ids(parts))
+    for room, parts in matching.merged.items():
+        why = f"holds {truth.names(parts)}"
+        yield _fault(prediction, "prediction", "merged", room, "merged", why, truth.ids(parts))
+    for room in _missed(matching):
+        cause, why, others = _why_missed(matching, room)
+        yield _fault(truth, "truth", "missed", room, cause, why, prediction.ids(others))
+    for room in _invented(matching):
+        cause, why, others = _why_invented(matching, room)
+        yield _fault(prediction, "prediction", "invented", room, cause, why, truth.ids(others))
+    for true, predicted, iou in matching.pairs:
+        if iou < STRICT_IOU and true in matching.asked:
+            why = f"IoU {iou:.2f} with {prediction.name(predicted)}; {_leaks(matching, true, predicted)}"
+            yield _fault(truth, "truth", "loose", true, "loose", why, prediction.ids((predicted,)))
 
 
 def adjusted_rand_index(shared: Overlap, rooms: frozenset[int]) -> float:
     """Agreement of the labels on some true rooms, 1 for the same partition, 0 for chance; unlabelled is a label."""
-    both = {pair: count for pair, count in shared.both.items() if pair[0] in rooms}
-    predicted: dict[int, int] = {}
-    for (_, label), count in both.items():
-        predicted[label] = predicted.get(label, 0) + count
-    together = _pairs(both.values())
-    in_true = _pairs(shared.true[room] for room in rooms if room in shared.true)
-    in_predicted, all_pairs = _pairs(predicted.values()), _pairs([sum(both.values())])
+    together, in_true, in_predicted, cells = _pair_counts(shared, rooms)
+    return _adjusted(together, in_true, in_predicted, cells * (cells - 1) / 2)
+
+
+def _adjusted(together: float, in_true: float, in_predicted: float, all_pairs: float) -> float:
     chance = in_true * in_predicted / all_pairs if all_pairs else 0.0
     most = (in_true + in_predicted) / 2
     return (together - chance) / (most - chance) if most != chance else 1.0
 
 
-def f1(right: int, predicted: int, true: int) -> float:
-    """Harmonic mean of precision and recall; 1 where there is nothing to find and nothing was found."""
-    return 2 * right / (predicted + true) if predicted + true else 1.0
+def _pair_counts(shared: Overlap, rooms: frozenset[int]) -> tuple[float, float, float, int]:
+    """Pairs of cells together in both partitions, in the true one, in the predicted one, and the number of cells."""
+    both = {pair: count for pair, count in shared.both.items() if pair[0] in rooms}
+    predicted: dict[int, int] = {}
+    for (_, label), count in both.items():
+        predicted[label] = predicted.get(label, 0) + count
+    in_true = _pairs(shared.true[room] for room in rooms if room in shared.true)
+    return _pairs(both.values()), in_true, _pairs(predicted.values()), sum(both.values())
 
 
 def _pairs(counts: Iterable[int]) -> float:
@@ -200,40 +202,23 @@ def _pairs(counts: Iterable[int]) -> float:
     return float((sizes * (sizes - 1) / 2).sum())
 
 
-def _split(prediction: Side, truth: Side, shared: Overlap, scanned: frozenset[int]) -> tuple[str, ...]:
-    parts: dict[int, list[int]] = {}
-    for (true, predicted), count in sorted(shared.both.items()):
-        inside = predicted in prediction.rooms and 2 * count >= shared.predicted[predicted]
-        if true in scanned and inside and count >= SPLIT_SHARE * shared.true[true]:
-            parts.setdefault(true, []).append(predicted)
-    return tuple(
-        f"{truth.name(true)} into {_listed(prediction, rooms)}" for true, rooms in parts.items() if len(rooms) > 1
-    )
+def _seen(matching: Matching) -> frozenset[int]:
+    least = SEEN_M2 / CELL_M**2
+    return frozenset(room for room in matching.truth.rooms if matching.overlap.true.get(room, 0) >= least)
 
 
-def _merged(prediction: Side, truth: Side, shared: Overlap, scanned: frozenset[int]) -> tuple[str, ...]:
-    parts: dict[int, list[int]] = {}
-    for (true, predicted), count in sorted(shared.both.items()):
-        if true in scanned and predicted in prediction.rooms and 2 * count >= shared.true[true]:
-            parts.setdefault(predicted, []).append(true)
-    return tuple(
-        f"{_listed(truth, rooms)} in {prediction.name(predicted)}"
-        for predicted, rooms in sorted(parts.items())
-        if len(rooms) > 1
-    )
+def _apart(matching: Matching, rooms: Set[int]) -> ApartFigures:
+    found = [matching.predicted_of[room] for room in rooms if room in matching.predicted_of]
+    marked = sum(1 for room in found if not matching.prediction.value(room, "scans"))
+    return ApartFigures(len(rooms), len(found), marked)
 
 
-def _lying_in(rooms: Set[int], shared: Overlap) -> frozenset[int]:
-    """Predicted rooms that lie for the most part in some true rooms."""
-    inside: dict[int, int] = {}
-    for (true, predicted), count in shared.both.items():
-        if true in rooms:
-            inside[predicted] = inside.get(predicted, 0) + count
-    return frozenset(predicted for predicted, count in inside.items() if 2 * count >= shared.predicted[predicted])
+def _missed(matching: Matching) -> list[int]:
+    return sorted(matching.asked - matching.predicted_of.keys())
 
 
-def _listed(where: Side, rooms: list[int]) -> str:
-    return " + ".join(where.name(room) for room in rooms)
+def _invented(matching: Matching) -> list[int]:
+    return sorted(matching.prediction.rooms.keys() - matching.not_asked - matching.true_of.keys())
 
 
 def _stair_rooms(truth: Side) -> frozenset[int]:
@@ -241,8 +226,70 @@ def _stair_rooms(truth: Side) -> frozenset[int]:
     return frozenset(room for opening in stairs for room in truth.rooms_of(opening))
 
 
-def _both(prediction: Side, truth: Side, matching: Matching, property: str) -> Iterable[tuple[float, float]]:
-    for true, predicted, _ in matching.pairs:
-        there, here = truth.value(true, property), prediction.value(predicted, property)
-        if there is not None and here is not None:
-            yield there, here
+def _fault(where: Side, side: str, fault: str, room: int, cause: str, why: str, others: tuple[str, ...]) -> Fault:
+    return Fault("room", fault, side, where.id(room), where.name(room), cause, why, others=others)
+
+
+Reason = tuple[str, str, tuple[int, ...]]
+
+
+def _why_missed(matching: Matching, room: int) -> Reason:
+    """Return cause, words and predicted rooms for a true room without a match."""
+    prediction, truth, shared = matching.prediction, matching.truth, matching.overlap
+    size = shared.true.get(room, 0)
+    if size == 0:
+        return "unseen", "none of its structure was seen", ()
+    if room in matching.split:
+        parts = matching.split[room]
+        return "split", f"split into {prediction.names(parts)}", parts
+    if room in matching.merged_into:
+        whole = matching.merged_into[room]
+        others = tuple(other for other in matching.merged[whole] if other != room)
+        return "merged", f"merged with {truth.names(others)} in {prediction.name(whole)}", (whole,)
+    if 2 * shared.both.get((room, -1), 0) >= size:
+        return "unlabelled", f"{_percent(shared.both[room, -1], size)} of its surface is in no room", ()
+    best, _ = next(pair for pair in shared.on_true[room] if pair[0] >= 0)
+    why = f"best is {prediction.name(best)}, IoU {shared.iou(room, best):.2f}; {_leaks(matching, room, best)}"
+    return "overlap", why, (best,)
+
+
+def _why_invented(matching: Matching, room: int) -> Reason:
+    """Return cause, words and true rooms for a predicted room without a match."""
+    truth, shared = matching.truth, matching.overlap
+    size = shared.predicted.get(room, 0)
+    if size == 0:
+        return "no_structure", "no wall, floor or ceiling of the truth is in it", ()
+    if room in matching.merged:
+        parts = matching.merged[room]
+        return "merged", f"{truth.names(parts)} in one", parts
+    true, count = shared.on_predicted[room][0]
+    if true < 0:
+        return "outside", f"{_percent(count, size)} of it lies in no room", ()
+    of_it, of_room = _percent(count, size), _percent(count, shared.true[true])
+    if 2 * count >= size:
+        return "part", f"{of_it} of it lies in {truth.name(true)}, of which it is {of_room}", (true,)
+    return "overlap", f"lies in several rooms, most in {truth.name(true)} ({of_it})", (true,)
+
+
+def _leaks(matching: Matching, true: int, predicted: int) -> str:
+    """Say where the rest of a true room went, and what the predicted one has beside it."""
+    shared = matching.overlap
+    lost = [
+        f"{_percent(count, shared.true[true])} of it is in {_named(matching.prediction, room)}"
+        for room, count in shared.on_true[true]
+        if room != predicted and count >= _LEAK * shared.true[true]
+    ]
+    gained = [
+        f"{_percent(count, shared.predicted[predicted])} of that is {_named(matching.truth, room)}"
+        for room, count in shared.on_predicted[predicted]
+        if room != true and count >= _LEAK * shared.predicted[predicted]
+    ]
+    return ", ".join(lost + gained) or "frayed in many places"
+
+
+def _named(where: Side, room: int) -> str:
+    return where.name(room) if room >= 0 else "no room"
+
+
+def _percent(part: float, whole: float) -> str:
+    return f"{100 * part / whole:.0f} %"
