@@ -145,6 +145,7 @@ def _add_rooms(graph: BuildingGraph, rooms: Sequence[Room], room_storey: I32, or
             outline=[(ring + origin[:2]).ravel().tolist() for ring in room.outline],
             point_count=room.point_count,
             scans=list(room.scans),
+            seen_from="inside" if room.scans else "outside",
             confidence=room.confidence,
         )
         graph.add_edge(storey_id(graph.building, int(room_storey[room.number])), "HAS_ROOM", id)

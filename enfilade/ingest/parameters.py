@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from enfilade.descriptors import DEFAULT_LAYOUT, Layout
 
+from .glimpses import GlimpseParameters
 from .groups import GroupParameters
 from .inside import InsideParameters
 from .neighbours import NeighbourParameters
@@ -30,6 +31,7 @@ class Parameters:
     rooms: RoomParameters = field(default_factory=RoomParameters)
     plans: RoomPlanParameters = field(default_factory=RoomPlanParameters)
     inside: InsideParameters = field(default_factory=InsideParameters)
+    glimpses: GlimpseParameters = field(default_factory=GlimpseParameters)
     storeys: StoreyParameters = field(default_factory=StoreyParameters)
     neighbours: NeighbourParameters = field(default_factory=NeighbourParameters)
     openings: OpeningParameters = field(default_factory=OpeningParameters)

@@ -14,6 +14,7 @@ from enfilade.schema.graph import BuildingGraph
 
 from .assembly import Findings, assemble_cloud, assemble_graph
 from .grouping_table import read_grouping
+from .glimpses import add_glimpsed_rooms
 from .groups import group_scans
 from .inside import keep_inside
 from .measures import measure_rooms
@@ -101,6 +102,7 @@ def ingest(
     watch.start("measures")
     drafts = draw_plans(cloud, surfels, planes, labels, parameters.plans, by_floors=False)
     labels = keep_inside(surfels, labels, drafts, parameters.inside)
+    labels = add_glimpsed_rooms(surfels, planes, labels, cloud.scanner_positions, parameters.glimpses)
     plans = draw_plans(cloud, surfels, planes, labels, parameters.plans)
     rooms = measure_rooms(cloud, surfels, labels, plans)
     _need(rooms, files, "no room")

@@ -160,6 +160,12 @@ NODE_TYPES: Final = (
             Property("outline", Kind.RINGS, "simplified plan polygon, rings as flat lists, outer ring first", "m"),
             Property("point_count", Kind.INTEGER, "thinned points in the room"),
             Property("scans", Kind.TEXTS, "names of the scans that stand in the room"),
+            Property(
+                "seen_from",
+                Kind.TEXT,
+                "`inside`, or `outside` where no scan stands in the room and scanners looked into it",
+                indexed=True,
+            ),
             Property("function", Kind.TEXT, "kitchen, office, ...; absent until something says it", indexed=True),
             Property("confidence", Kind.REAL, "share of the labels that the room's points agree on, 0 to 1"),
         ),

@@ -1,0 +1,71 @@
+"""Rooms that no scan stands in."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scanned_boxes import DOOR, LEFT, RIGHT, Box, scan
+
+from enfilade.ingest.glimpses import GlimpseParameters, add_glimpsed_rooms
+from enfilade.ingest.groups import group_scans
+from enfilade.ingest.inside import keep_inside
+from enfilade.ingest.planes import Planes, find_planes
+from enfilade.ingest.plans import draw_plans
+from enfilade.ingest.records import RoomLabels, Scan, Surfels
+from enfilade.ingest.rooms import label_rooms
+from enfilade.ingest.surfels import make_surfels
+from enfilade.ingest.thinning import thin
+
+# The door of LEFT shows it from one end to the other.
+BEHIND = replace(RIGHT, low=(4.15, 0.5, 0.0), high=(7.0, 2.4, 2.5))
+
+
+def labelled(parts: list[Scan]) -> tuple[Surfels, Planes, RoomLabels, np.ndarray]:
+    """Labels before rooms are made of glimpses."""
+    cloud = thin(parts)
+    surfels = make_surfels(cloud)
+    planes = find_planes(surfels)
+    labels = label_rooms(surfels, planes, group_scans(planes, cloud.scanner_positions))
+    drafts = draw_plans(cloud, surfels, planes, labels, by_floors=False)
+    return surfels, planes, keep_inside(surfels, labels, drafts), cloud.scanner_positions
+
+
+def well_inside(surfels: Surfels, box: Box) -> np.ndarray:
+    return (surfels.positions[:, 0] > box.low[0] + 0.6) & (surfels.positions[:, 0] < box.high[0] + 0.05)
+
+
+def test_what_an_open_door_shows_is_a_room_though_no_scan_stands_in_it() -> None:
+    surfels, planes, labels, scanners = labelled([scan(LEFT, [LEFT, BEHIND], DOOR)])
+    found = add_glimpsed_rooms(surfels, planes, labels, scanners)
+    assert (labels.room_count, found.room_count) == (1, 2)
+    assert (found.after[well_inside(surfels, BEHIND)] == 1).mean() > 0.9
+    assert np.array_equal(found.after[labels.after == 0], labels.after[labels.after == 0])
+    assert 0.2 < found.agreement[found.after == 1].max() <= 0.5
+    assert found.scan_room.tolist() == [0]
+
+
+def without(part: Scan, gone: np.ndarray) -> Scan:
+    return replace(part, positions=part.positions[~gone])
+
+
+def test_ground_seen_through_a_door_is_no_room_for_it_has_neither_roof_nor_walls() -> None:
+    seen = scan(LEFT, [LEFT, BEHIND], DOOR)
+    ground_only = without(seen, (seen.positions[:, 0] > 4.3) & (seen.positions[:, 2] > 0.1))
+    surfels, planes, labels, scanners = labelled([ground_only])
+    assert add_glimpsed_rooms(surfels, planes, labels, scanners).room_count == 1
+
+
+def test_a_roof_alone_makes_no_room() -> None:
+    seen = scan(LEFT, [LEFT, BEHIND], DOOR)
+    x, z = seen.positions[:, 0], seen.positions[:, 2]
+    roof = np.stack(np.meshgrid(np.arange(4.2, 9.0, 0.02), np.arange(-1.0, 4.0, 0.02), [2.6]), -1).reshape(-1, 3)
+    kept = seen.positions[~((x > 4.3) & (z > 0.1))]
+    canopy = replace(seen, positions=np.concatenate([kept, roof]))
+    surfels, planes, labels, scanners = labelled([canopy])
+    assert add_glimpsed_rooms(surfels, planes, labels, scanners).room_count == 1
+
+
+def test_too_little_floor_makes_no_room() -> None:
+    surfels, planes, labels, scanners = labelled([scan(LEFT, [LEFT, BEHIND], DOOR)])
+    assert add_glimpsed_rooms(surfels, planes, labels, scanners, GlimpseParameters(least_floor_m2=6.0)) is labels
