@@ -14,6 +14,9 @@ class Progress(Protocol):
     def advance(self, amount: float = 1.0) -> None:
         """Say that so much more of the stage is done."""
 
+    def note(self, sentence: str) -> None:
+        """Say something about the input that its owner should know."""
+
 
 class Silent:
     """Listens to nothing."""
@@ -22,4 +25,7 @@ class Silent:
         """Ignore it."""
 
     def advance(self, amount: float = 1.0) -> None:
+        """Ignore it."""
+
+    def note(self, sentence: str) -> None:
         """Ignore it."""

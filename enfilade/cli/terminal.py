@@ -41,6 +41,10 @@ class Bars:
         if self._task is not None:
             self._bars.advance(self._task, amount)
 
+    def note(self, sentence: str) -> None:
+        """Print a line above the bars."""
+        self._bars.console.print(f"Note: {self._prefix}{sentence}", markup=False, soft_wrap=True)
+
     def finish(self) -> None:
         """Fill the bar of the stage that has ended."""
         if self._task is not None:

@@ -6,6 +6,7 @@ are metres relative to the building's origin. Index arrays use -1 for "none".
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,12 +15,34 @@ from numpy.typing import NDArray
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 I32 = NDArray[np.int32]
+U8 = NDArray[np.uint8]
 Bool = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """Some of the points of a scan, so few (`readers.CHUNK`) that no file needs memory that counts.
+
+    Attributes
+    ----------
+    positions
+        ``(n, 3) float64``, metres, in the coordinates that all scans share; finite.
+    intensity
+        ``(n,) float32`` as the file has it, or None.
+    colour
+        ``(n, 3) uint8`` red, green, blue, or None.
+    """
+
+    positions: F64
+    intensity: F32 | None = None
+    colour: U8 | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Scan:
     """What one scanner position measured, as a reader hands it on.
+
+    A moving scanner comes back to where it was: scans of one source that are named alike are parts of one.
 
     Attributes
     ----------
@@ -27,16 +50,21 @@ class Scan:
         The scan's name in its file.
     source
         Name of the file.
-    positions
-        ``(n, 3) float64``, metres, in the coordinates that all scans share; finite.
+    chunks
+        The points, to be gone through once, before the next scan is asked for.
     scanner_position
         ``(3,) float64``, metres, in the same coordinates.
     """
 
     name: str
     source: str
-    positions: F64
+    chunks: Iterable[Chunk]
     scanner_position: F64
+
+    @classmethod
+    def of_points(cls, name: str, source: str, positions: F64, scanner_position: F64) -> Scan:
+        """Return a scan whose points, ``(n, 3) float64``, are in memory already."""
+        return cls(name, source, (Chunk(positions),), scanner_position)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,11 +80,15 @@ class ThinnedCloud:
     scanner_positions
         ``(S, 3) float32``, metres, relative to `origin`.
     scan_names
-        S names.
+        S names, each another.
     origin
         ``(3,) float64``, metres: add it to get the scans' own coordinates.
     raw_count
         Points read, before thinning.
+    intensity
+        ``(N,) float32`` as the files have it, NaN where a scan has none; None where no scan has.
+    colour
+        ``(N, 3) uint8`` red, green, blue, black where a scan has none; None where no scan has.
     """
 
     positions: F32
@@ -65,6 +97,8 @@ class ThinnedCloud:
     scan_names: tuple[str, ...]
     origin: F64
     raw_count: int
+    intensity: F32 | None = None
+    colour: U8 | None = None
 
 
 @dataclass(frozen=True, slots=True)

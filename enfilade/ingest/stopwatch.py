@@ -23,6 +23,10 @@ class Stopwatch:
         """Pass on that so much more is done."""
         self._listener.advance(amount)
 
+    def note(self, sentence: str) -> None:
+        """Pass on what should be known of the input."""
+        self._listener.note(sentence)
+
     def stop(self) -> dict[str, float]:
         """End the last stage and return the seconds of each, in order."""
         moments = [moment for _, moment in self._starts] + [time.perf_counter()]

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from enfilade.errors import InputError
 from enfilade.progress import Progress, Silent
 
-from .records import F32, F64, I32, Scan, ThinnedCloud
+from .records import F64, I32, Scan, ThinnedCloud
+from .voxels import VoxelSet
 
 _SILENT: Final = Silent()
-_BITS: Final = 21
-FARTHEST_M: Final = 10_000.0
-"""Coordinates up to here are used as they are; beyond, an origin is taken off first."""
+_ORIGIN_GRID_M: Final = 1000.0
+_COPIED: Final = 0.5
+_FEWEST_POINTS: Final = 100
 
 I64 = NDArray[np.int64]
 
@@ -36,17 +38,30 @@ class ThinningParameters:
     voxel_size_m: float = 0.01
 
 
-@dataclass(frozen=True, slots=True)
-class _Run:
-    """Points sorted by voxel, one a voxel. `range` is the distance to the scanner, metres."""
+@dataclass(slots=True)
+class _Register:
+    """The scans so far: who they are, and how many points each has in the set or has a copy of."""
 
-    voxel: I64
-    positions: F32
-    scan: I32
-    range: F32
+    keys: dict[tuple[str, str], int]
+    scanners: F64
+    raw: list[int]
+    held: I64
+    copies: I64
+    original: list[int]
 
-    def __len__(self) -> int:
-        return len(self.voxel)
+    @classmethod
+    def empty(cls) -> _Register:
+        return cls({}, np.zeros((0, 3)), [], np.zeros(0, np.int64), np.zeros(0, np.int64), [])
+
+    def number(self, scan: Scan, origin: F64) -> int:
+        """Return the scan's number, a new one where it is met for the first time."""
+        number = self.keys.setdefault((scan.source, scan.name), len(self.keys))
+        if number == len(self.raw):
+            self.raw.append(0)
+            self.original.append(number)
+            self.scanners = np.concatenate([self.scanners, (scan.scanner_position - origin)[None]])
+            self.held, self.copies = np.append(self.held, 0), np.append(self.copies, 0)
+        return number
 
 
 def thin(
@@ -54,106 +69,88 @@ def thin(
 ) -> ThinnedCloud:
     """Merge scans into one cloud that keeps, of each voxel, the point nearest to its scanner.
 
-    The points kept do not depend on the order of the scans. Memory follows the thinned cloud: runs of points are
-    merged like the digits of a binary counter, so that n points in s scans cost n log s.
+    The points kept do not depend on the order of the scans, nor of the points in them. Memory follows the thinned
+    cloud: chunks are put into one set of voxels while the next is read. A scan that is the copy of another is said
+    to be one, and is not there.
 
     Raises
     ------
     InputError
         There are no scans, or the scans lie farther apart than one building can.
     """
-    runs: list[_Run] = []
-    names: list[str] = []
-    scanners: list[F64] = []
-    raw_count = 0
-    origin = np.zeros(3)
-    for index, scan in enumerate(scans):
-        if index == 0:
-            origin = _origin(scan.scanner_position)
-        runs.append(_run_of(scan, index, origin, parameters.voxel_size_m))
-        _settle(runs)
-        names.append(scan.name)
-        scanners.append(scan.scanner_position - origin)
-        raw_count += len(scan.positions)
-        progress.advance()
-    if not runs:
+    register, origin, points = _Register.empty(), np.zeros(3), None
+    with ThreadPoolExecutor(1) as worker:
+        for scan in scans:
+            if points is None:
+                origin = np.round(scan.scanner_position / _ORIGIN_GRID_M) * _ORIGIN_GRID_M
+                points = VoxelSet(parameters.voxel_size_m, origin)
+            _add(points, scan, register, origin, worker)
+            progress.advance()
+    if points is None:
         raise InputError("there are no scans to ingest")
-    run = _merged(runs)
-    return ThinnedCloud(run.positions, run.scan, np.array(scanners, np.float32), tuple(names), origin, raw_count)
+    kept = points.finish()
+    _say_copies(register, progress)
+    numbers, is_kept = _renumbered(register.original)
+    return ThinnedCloud(
+        kept.positions,
+        numbers[kept.scan],
+        register.scanners[is_kept].astype(np.float32),
+        _names([key for key, keeps in zip(register.keys, is_kept, strict=True) if keeps]),
+        origin,
+        sum(count for count, keeps in zip(register.raw, is_kept, strict=True) if keeps),
+        kept.intensity,
+        kept.colour,
+    )
 
 
-def _origin(scanner_position: F64) -> F64:
-    """Zero, or whole metres near the first scanner where its coordinates are large."""
-    if np.abs(scanner_position).max() <= FARTHEST_M:
-        return np.zeros(3)
-    return np.round(scanner_position)
+def _add(points: VoxelSet, scan: Scan, register: _Register, origin: F64, worker: ThreadPoolExecutor) -> None:
+    """Put a scan's points in, each chunk while the next is read, and see whether it copies another scan."""
+    number = register.number(scan, origin)
+    is_part = register.raw[number] > 0
+    before = register.held.copy()
+    register.copies[:] = 0
+    running: Future[bool] | None = None
+    for chunk in scan.chunks:
+        _settle(running, scan, points)
+        running = worker.submit(points.add, chunk, number, register.scanners, register.held, register.copies)
+        register.raw[number] += len(chunk.positions)
+    _settle(running, scan, points)
+    if not is_part:
+        register.original[number] = _original(number, before, register.copies, register.original)
 
 
-def _run_of(scan: Scan, index: int, origin: F64, voxel_size_m: float) -> _Run:
-    local = scan.positions - origin
-    distance = np.linalg.norm(scan.positions - scan.scanner_position, axis=1).astype(np.float32)
-    positions = local.astype(np.float32)
-    voxel = _voxel_keys(positions, voxel_size_m, scan)
-    run = _Run(voxel, positions, np.full(len(positions), index, np.int32), distance)
-    return _nearest_per_voxel(run, np.argsort(voxel))
-
-
-def _voxel_keys(positions: F32, voxel_size_m: float, scan: Scan) -> I64:
-    """Pack the voxel indices of ``(n, 3)`` positions into 63 bits."""
-    half = 1 << (_BITS - 1)
-    if np.abs(positions).max() >= half * voxel_size_m:
+def _settle(running: Future[bool] | None, scan: Scan, points: VoxelSet) -> None:
+    if running is not None and not running.result():
         raise InputError(
-            f"scan {scan.name!r} of {scan.source} lies more than {half * voxel_size_m / 1000:.0f} km "
+            f"scan {scan.name!r} of {scan.source} lies more than {points.reach_m / 1000:.0f} km "
             "from the first one: are the scans registered, and in metres?"
         )
-    key = np.zeros(len(positions), np.int64)
-    for axis in range(3):
-        key <<= _BITS
-        key += np.floor(positions[:, axis].astype(np.float64) / voxel_size_m).astype(np.int64) + half
-    return key
 
 
-def _settle(runs: list[_Run]) -> None:
-    """Merge the last runs while the last is not much smaller than the one before it."""
-    while len(runs) > 1 and 2 * len(runs[-1]) > len(runs[-2]):
-        runs[-2:] = [_merged(runs[-2:])]
+def _original(number: int, held: I64, copies: I64, original: list[int]) -> int:
+    """Return which scan this one is a copy of: the one that it repeats most points of, if most; else itself."""
+    share = copies / np.maximum(held, 1)
+    share[held < _FEWEST_POINTS] = 0.0
+    most = int(np.argmax(share))
+    return original[most] if share[most] >= _COPIED else number
 
 
-def _merged(runs: list[_Run]) -> _Run:
-    if len(runs) == 1:
-        return runs[0]
-    joined = _Run(
-        np.concatenate([run.voxel for run in runs]),
-        np.concatenate([run.positions for run in runs]),
-        np.concatenate([run.scan for run in runs]),
-        np.concatenate([run.range for run in runs]),
-    )
-    return _nearest_per_voxel(joined, np.argsort(joined.voxel, kind="stable"))  # merges what is sorted in one pass
+def _say_copies(register: _Register, progress: Progress) -> None:
+    keys = list(register.keys)
+    for number, original in enumerate(register.original):
+        if original != number:
+            (source, name), (its_source, its_name) = keys[number], keys[original]
+            progress.note(f"scan {name!r} of {source} repeats scan {its_name!r} of {its_source}: it was used once")
 
 
-def _nearest_per_voxel(run: _Run, order: I64) -> _Run:
-    kept = _best_of_each(run.voxel, order, run.range, run.positions)
-    return _Run(run.voxel[kept], run.positions[kept], run.scan[kept], run.range[kept])
+def _renumbered(original: list[int]) -> tuple[I32, list[bool]]:
+    """New number of each scan when copies are left out, and which scans are no copies."""
+    is_kept = [number == its for number, its in enumerate(original)]
+    new = np.cumsum(is_kept).astype(np.int32) - 1
+    return np.asarray(new[original], np.int32), is_kept
 
 
-@njit(cache=True)
-def _best_of_each(voxel: I64, order: I64, distance: F32, positions: F32) -> I64:
-    """Index of the best point of each voxel: the nearest to its scanner, of equals the least by x, y, z."""
-    kept = np.empty(len(order), np.int64)
-    count = 0
-    for at in range(len(order)):
-        i = order[at]
-        if at == 0 or voxel[i] != voxel[order[at - 1]]:
-            kept[count] = i
-            count += 1
-            continue
-        best = kept[count - 1]
-        if distance[i] < distance[best]:
-            kept[count - 1] = i
-        elif distance[i] == distance[best]:
-            for axis in range(3):
-                if positions[i, axis] != positions[best, axis]:
-                    if positions[i, axis] < positions[best, axis]:
-                        kept[count - 1] = i
-                    break
-    return kept[:count].copy()
+def _names(keys: list[tuple[str, str]]) -> tuple[str, ...]:
+    """Names of scans, with that of the file before it where several files have scans that are named alike."""
+    count = Counter(name for _, name in keys)
+    return tuple(name if count[name] == 1 else f"{source}/{name}" for source, name in keys)

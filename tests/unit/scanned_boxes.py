@@ -56,7 +56,7 @@ def scan(own: Box, boxes: list[Box], door: Door | None, *, spacing: float = 0.02
     if door is not None:
         here |= _through(points, scanner, door)
     points = points[here]
-    return Scan(own.name, "boxes.e57", points + rng.normal(0.0, noise, points.shape), scanner)
+    return Scan.of_points(own.name, "boxes.e57", points + rng.normal(0.0, noise, points.shape), scanner)
 
 
 def scans(door: Door | None = DOOR) -> list[Scan]:

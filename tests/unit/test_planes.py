@@ -65,7 +65,7 @@ def test_parts_of_a_wall_left_and_right_of_a_full_height_gap_are_one_plane() -> 
     left, right = rng.uniform(0.0, 2.0, (30_000, 2)), rng.uniform(0.0, 2.0, (30_000, 2))
     along = np.concatenate([left[:, 0], right[:, 0] + 2.5])
     points = np.stack([along, np.zeros(len(along)), np.concatenate([left[:, 1], right[:, 1]])], axis=1)
-    surfels = make_surfels(thin([Scan("a", "a.e57", points, np.array([2.0, 3.0, 1.0]))]))
+    surfels = make_surfels(thin([Scan.of_points("a", "a.e57", points, np.array([2.0, 3.0, 1.0]))]))
     assert len(find_planes(surfels).normals) == 1
 
 
@@ -74,6 +74,6 @@ def test_small_patches_and_no_surfels_are_no_planes() -> None:
     nothing = Surfels(empty, empty, np.zeros(0, np.int32), np.zeros(0, np.int32))
     assert len(find_planes(nothing).normals) == 0
     patch = np.random.default_rng(0).uniform(0.0, 0.3, (5_000, 3)) * [1.0, 1.0, 0.0]
-    surfels = make_surfels(thin([Scan("a", "a.e57", patch, np.array([0.0, 0.0, 2.0]))]))
+    surfels = make_surfels(thin([Scan.of_points("a", "a.e57", patch, np.array([0.0, 0.0, 2.0]))]))
     assert len(surfels.positions) > 0
     assert len(find_planes(surfels).normals) == 0

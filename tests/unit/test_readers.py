@@ -12,6 +12,8 @@ from pye57 import libe57
 
 from enfilade.errors import InputError
 from enfilade.ingest.readers import e57, read_scans, scan_files
+from enfilade.ingest.readers.whereabouts import Whereabouts
+from enfilade.ingest.records import Scan
 
 POINTS = np.random.default_rng(0).uniform(-2.0, 2.0, (400, 3))
 TURN = np.array([np.cos(0.3), 0.0, 0.0, np.sin(0.3)])
@@ -58,59 +60,67 @@ def world(points: np.ndarray, place: np.ndarray = PLACE) -> np.ndarray:
     return points @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]).T + place
 
 
+def read(path: Path) -> list[Scan]:
+    """All scans of a file with their points in memory."""
+    return [Scan(s.name, s.source, list(s.chunks), s.scanner_position) for s in e57.read(path, Whereabouts())]
+
+
+def points_of(scan: Scan) -> np.ndarray:
+    return np.concatenate([chunk.positions for chunk in scan.chunks])
+
+
 def test_points_come_out_in_the_common_coordinates_with_name_and_scanner(tmp_path: Path) -> None:
-    (scan,) = e57.read(write(tmp_path / "a.e57", columns(POINTS)))
+    (scan,) = read(write(tmp_path / "a.e57", columns(POINTS)))
     assert scan.name == "Station 0"
     assert scan.source == "a.e57"
     assert scan.scanner_position.tolist() == PLACE.tolist()
-    assert scan.positions.dtype == np.float64
-    assert np.abs(scan.positions - world(POINTS)).max() < 1e-5
+    assert points_of(scan).dtype == np.float64
+    assert np.abs(points_of(scan) - world(POINTS)).max() < 1e-5
 
 
 def test_several_scans_of_a_file_each_have_their_own_pose(tmp_path: Path) -> None:
-    first, second = e57.read(write(tmp_path / "a.e57", columns(POINTS), columns(POINTS[:50])))
+    first, second = read(write(tmp_path / "a.e57", columns(POINTS), columns(POINTS[:50])))
     assert [first.name, second.name] == ["Station 0", "Station 1"]
-    assert np.abs(second.positions - world(POINTS[:50], PLACE + 1.0)).max() < 1e-5
+    assert np.abs(points_of(second) - world(POINTS[:50], PLACE + 1.0)).max() < 1e-5
 
 
 def test_points_flagged_invalid_are_dropped(tmp_path: Path) -> None:
     state = np.zeros(len(POINTS), np.int8)
     state[::4] = 2
     path = write(tmp_path / "a.e57", columns(POINTS, cartesianInvalidState=state))
-    assert len(next(e57.read(path)).positions) == 300
+    assert len(points_of(read(path)[0])) == 300
 
 
 def test_points_that_are_no_numbers_are_dropped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = write(tmp_path / "a.e57", columns(POINTS))
     spoil(monkeypatch, [np.nan, np.inf, -np.inf])
-    assert len(next(e57.read(path)).positions) == 397
+    assert len(points_of(read(path)[0])) == 397
 
 
 def test_a_scan_of_nothing_but_nan_is_refused_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = write(tmp_path / "a.e57", columns(POINTS))
     spoil(monkeypatch, [np.nan] * 400)
     with pytest.raises(InputError, match=r"scan 'Station 0' of .*a\.e57 has no usable point: all 400"):
-        next(e57.read(path))
+        read(path)
 
 
 def spoil(monkeypatch: pytest.MonkeyPatch, values: list[float]) -> None:
     """Make reading give these x first: pye57 cannot write them."""
-    read = e57._columns
+    place = e57.place
 
-    def spoiled(*arguments: Any) -> dict[str, np.ndarray]:
-        result = read(*arguments)
-        result["cartesianX"][: len(values)] = values
-        return result
+    def spoiled(first: np.ndarray, *more: Any) -> Any:
+        first[: len(values)] = values
+        return place(first, *more)
 
-    monkeypatch.setattr(e57, "_columns", spoiled)
+    monkeypatch.setattr(e57, "place", spoiled)
 
 
 def test_one_scan_may_stand_at_the_origin(tmp_path: Path) -> None:
     path = write(tmp_path / "a.e57", columns(POINTS), columns(POINTS), rotation=UNTURNED, place=np.zeros(3))
-    first, second = e57.read(path)
+    first, second = read(path)
     assert first.scanner_position.tolist() == [0.0, 0.0, 0.0]
     assert second.scanner_position.tolist() == [1.0, 1.0, 1.0]
-    np.testing.assert_allclose(first.positions, POINTS)
+    np.testing.assert_allclose(points_of(first), POINTS)
 
 
 def test_two_scans_at_the_origin_have_lost_their_positions(tmp_path: Path) -> None:
@@ -118,20 +128,23 @@ def test_two_scans_at_the_origin_have_lost_their_positions(tmp_path: Path) -> No
     with pye57.E57(str(path), mode="w") as file:
         for number in range(2):
             file.write_scan_raw(columns(POINTS), name=f"Station {number}", rotation=UNTURNED, translation=np.zeros(3))
-    with pytest.raises(InputError, match=r"2 scans of .*a\.e57, 'Station 0' and 'Station 1' among them"):
-        next(e57.read(path))
+    with pytest.raises(
+        InputError, match=r"scan 'Station 0' of .*a\.e57 and scan 'Station 1' of .* both stand at the origin"
+    ):
+        read(path)
 
 
 def test_a_missing_pose_is_refused_by_name(tmp_path: Path) -> None:
     path = write_without_pose(tmp_path / "lost.e57", np.ones((10, 3)))
-    with pytest.raises(InputError, match=r"no scanner pose in scan 'lost 0' of .*lost\.e57"):
-        next(e57.read(path))
+    with pytest.raises(InputError, match=r"no scanner position in scan 'lost 0' of .*lost\.e57"):
+        read(path)
 
 
 def test_spherical_coordinates_become_cartesian(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = write_without_pose(tmp_path / "a.e57", np.array([[2.0, np.pi / 2, 0.0], [3.0, 0.0, np.pi / 2]]))
     monkeypatch.setattr(e57, "_pose", lambda header, what: (np.eye(3), np.array([1.0, 0.0, 0.0])))
-    assert next(e57.read(path)).positions == pytest.approx(np.array([[1.0, 2.0, 0.0], [1.0, 0.0, 3.0]]))
+    monkeypatch.setattr(Whereabouts, "scanner", lambda *arguments, **more: np.zeros(3))
+    assert points_of(read(path)[0]) == pytest.approx(np.array([[1.0, 2.0, 0.0], [1.0, 0.0, 3.0]]))
 
 
 @pytest.mark.parametrize(
@@ -148,7 +161,7 @@ def test_a_damaged_file_is_named_with_its_cause(tmp_path: Path, damage: Any, cau
     path = write(tmp_path / "a.e57", columns(POINTS))
     path.write_bytes(damage(path.read_bytes()))
     with pytest.raises(InputError) as caught:
-        list(read_scans([path]))
+        read(path)
     assert str(path) in str(caught.value)
     assert cause in str(caught.value)
     assert "\n" not in str(caught.value)
@@ -163,7 +176,8 @@ def test_folders_give_their_scan_files_by_name(tmp_path: Path) -> None:
     for name in ("b.e57", "a.E57", "notes.txt"):
         write(tmp_path / name, columns(POINTS))
     assert [file.name for file in scan_files([tmp_path])] == ["a.E57", "b.e57"]
-    assert [scan.source for scan in read_scans([tmp_path, tmp_path / "b.e57"])] == ["a.E57", "b.e57", "b.e57"]
+    assert [file.name for file in scan_files([tmp_path / "?.[eE]57"])] == ["a.E57", "b.e57"]
+    assert [scan.source for scan in read_scans([tmp_path, tmp_path / "b.e57"])] == ["a.E57", "b.e57"]
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ def sheet(normal: np.ndarray, offset: float, scanner: np.ndarray, name: str = "a
     u /= np.linalg.norm(u)
     grid = rng.uniform(-0.5, 0.5, (8_000, 2))
     points = offset * normal + grid @ np.stack([u, np.cross(normal, u)])
-    return Scan(name, "a.e57", points + noise * rng.normal(size=(len(points), 1)) * normal, scanner)
+    return Scan.of_points(name, "a.e57", points + noise * rng.normal(size=(len(points), 1)) * normal, scanner)
 
 
 @given(st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(-1, 1)).filter(lambda v: np.linalg.norm(v) > 0.2))
@@ -63,7 +63,9 @@ def test_every_point_in_a_room_finds_its_surfel_close_by() -> None:
 def test_stray_points_and_bare_lines_have_no_surfel() -> None:
     line = np.stack([np.linspace(0.0, 1.0, 200), np.zeros(200), np.zeros(200)], axis=1)
     stray = np.array([[5.0, 5.0, 5.0]])
-    surfels = make_surfels(thin([Scan("a", "a.e57", np.concatenate([line, stray]), np.array([0.0, 3.0, 1.0]))]))
+    surfels = make_surfels(
+        thin([Scan.of_points("a", "a.e57", np.concatenate([line, stray]), np.array([0.0, 3.0, 1.0]))])
+    )
     assert len(surfels.positions) == 0
     assert (surfels.point_surfel == -1).all()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import glob
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Final
@@ -10,15 +11,17 @@ from enfilade.errors import InputError
 from enfilade.ingest.records import Scan
 
 from . import e57
+from .positions import read_positions
+from .whereabouts import Whereabouts
 
-Reader = Callable[[Path], Iterator[Scan]]
+Reader = Callable[[Path, Whereabouts], Iterator[Scan]]
 
 READERS: Final[Mapping[str, Reader]] = {".e57": e57.read}
 """Reader of each suffix, lower case."""
 
 
 def scan_files(sources: Sequence[Path]) -> tuple[Path, ...]:
-    """Return the scan files that `sources` name, folders replaced by the scan files in them, sorted by name.
+    """Return the scan files that `sources` name: folders and patterns replaced by their scan files, sorted by name.
 
     Raises
     ------
@@ -27,33 +30,58 @@ def scan_files(sources: Sequence[Path]) -> tuple[Path, ...]:
         scans.
     """
     if not sources:
-        raise InputError("no scan files were given: name one or more E57 files, or folders of them")
-    return tuple(_with_name(file) for source in sources for file in _files_of(Path(source)))
+        raise InputError("no scan files were given: name one or more scan files, or folders of them")
+    files = [_with_name(file) for source in sources for file in _files_of(Path(source))]
+    return tuple(dict.fromkeys(files))
 
 
-def read_scans(sources: Sequence[Path]) -> Iterator[Scan]:
-    """Read the scans of all `sources` (files or folders), one at a time.
+def read_scans(sources: Sequence[Path], *, positions: Path | None = None) -> Iterator[Scan]:
+    """Read the scans of all `sources` (files, folders or patterns), one at a time.
+
+    Parameters
+    ----------
+    sources
+        Where the scans are.
+    positions
+        Table of scanner positions (``scan,x,y,z`` or ``file,x,y,z``), which go before those in the files.
 
     Raises
     ------
     InputError
-        A file or folder cannot be used; the message names it and the cause.
+        A file, a folder or the table cannot be used; the message names it and the cause.
     """
+    table = read_positions(positions) if positions is not None else None
+    whereabouts = Whereabouts(table)
     for file in scan_files(sources):
-        yield from READERS[file.suffix.lower()](file)
+        yield from READERS[file.suffix.lower()](file, whereabouts)
+    if table is not None:
+        table.refuse_unused()
 
 
 def _files_of(source: Path) -> list[Path]:
     if source.is_dir():
-        files = sorted(file for file in source.iterdir() if file.suffix.lower() in READERS and file.is_file())
+        files = sorted(file for file in source.iterdir() if _is_scan(file))
         if not files:
             raise InputError(f"the folder {source} holds no scans (files ending in {_suffixes()})")
         return files
     if not source.exists():
-        raise InputError(f"there is no file or folder {source}: check the path")
+        return _matching(source)
     if source.suffix.lower() not in READERS:
         raise InputError(f"{source} is of a format that cannot be read: use files ending in {_suffixes()}")
     return [source]
+
+
+def _matching(pattern: Path) -> list[Path]:
+    """Return the scan files that a pattern matches, which the shell did not replace."""
+    files = sorted(Path(name) for name in glob.glob(str(pattern), recursive=True)) if glob.has_magic(str(pattern)) else []
+    files = [file for file in files if _is_scan(file)]
+    if not files:
+        raise InputError(f"there is no file or folder {pattern}: check the path")
+    return files
+
+
+def _is_scan(file: Path) -> bool:
+    return file.suffix.lower() in READERS and file.is_file()
 
 
 def _suffixes() -> str:
