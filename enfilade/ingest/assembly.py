@@ -175,6 +175,7 @@ def _add_openings(graph: BuildingGraph, openings: Sequence[Opening], origin: NDA
             width=opening.width,
             height=opening.height,
             sill=opening.sill,
+            lintel=opening.lintel,
             area=opening.area,
             position=(opening.position + origin).tolist(),
             normal=opening.normal.tolist(),
