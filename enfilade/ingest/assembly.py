@@ -84,6 +84,8 @@ def assemble_cloud(found: Findings) -> LabelledCloud:
         thing,
         _of_surfel(found.planes.surfel_plane, found.surfels.point_surfel),
         found.cloud.scan,
+        intensity=found.cloud.intensity,
+        colour=found.cloud.colour,
     )
 
 
