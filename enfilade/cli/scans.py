@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from enfilade.cli.terminal import ERR, OUT, counted, open_archive, print_table, progress_bars
-from enfilade.errors import EnfiladeError, InputError, NotFoundError
+from enfilade.errors import EnfiladeError, InputError
 from enfilade.stores.archive import Archive
 
 if TYPE_CHECKING:
@@ -85,29 +85,53 @@ def _one_each(scans: tuple[Path, ...]) -> dict[str, list[Path]]:
 @click.command("simulate")
 @click.argument("model", type=PATH, required=False)
 @click.option("-o", "--output", type=PATH, required=True, help="NAME.e57; the truth goes to NAME.truth/ beside it.")
-@click.option("--seed", type=int, default=1, show_default=True, help="Seed of noise and closed doors.")
+@click.option("--generate", "number", type=click.IntRange(1), help="Scan the generated building of this number.")
+@click.option("--faults", type=click.Choice(["light", "medium", "heavy"]), help="How badly the scans were made.")
+@click.option("--seed", type=int, help="Seed of noise and closed doors; 1, or the number of a generated building.")
 @click.option("--step", type=click.FloatRange(0.02, 5.0), help="Angle between rays, degrees.")
 @click.option("--closed", type=click.FloatRange(0.0, 1.0), help="Share of an IFC model's doors that are closed.")
 @click.option("--positions", type=PATH, help="CSV `x,y,z` of scanner positions in a mesh.")
 def simulate_command(
-    model: Path | None, output: Path, seed: int, step: float | None, closed: float | None, positions: Path | None
+    model: Path | None,
+    output: Path,
+    number: int | None,
+    faults: str | None,
+    seed: int | None,
+    step: float | None,
+    closed: float | None,
+    positions: Path | None,
 ) -> None:
     """Scan a building model with a virtual laser scanner.
 
-    MODEL is an IFC file or a mesh (OBJ, PLY, STL); without it the built-in demo building is scanned.
+    MODEL is an IFC file or a mesh (OBJ, PLY, STL); without it the built-in demo building is scanned, or with --generate
+    one of any number of generated buildings.
     """
     from dataclasses import replace
 
-    from enfilade.simulate import Parameters, Scanner, simulate
+    from enfilade.simulate import FAULTS, Parameters, Scanner, generate, simulate
 
     if output.suffix.lower() != ".e57":
         raise InputError(f"The output {output} has to end in .e57.")
-    scanner = Scanner(seed=seed) if step is None else replace(Scanner(seed=seed), angular_step_deg=step)
+    if number is not None and model is not None:
+        raise click.UsageError("--generate makes a building; leave MODEL out.")
     with progress_bars() as bars:
         bars.start("model")
-        scene = _scene(model, seed, closed, positions)
-        simulate(scene, output, parameters=Parameters(scanner), progress=bars)
-    ERR.print(f"Wrote {output} and {output.with_suffix('.truth')}/", markup=False)
+        if number is None:
+            parameters = Parameters(replace(FAULTS[faults] if faults else Scanner(), seed=1 if seed is None else seed))
+            scene, said = _scene(model, parameters.scanner.seed, closed, positions), ""
+        else:
+            _refuse_others(closed, positions)
+            made = generate(number, faults=faults)
+            scene, parameters, said = made.scene, made.parameters, f": {made.name}, {made.description}"
+        scanner = parameters.scanner if step is None else replace(parameters.scanner, angular_step_deg=step)
+        scanner = scanner if seed is None else replace(scanner, seed=seed)
+        simulate(scene, output, parameters=replace(parameters, scanner=scanner), progress=bars)
+    ERR.print(f"Wrote {output} and {output.with_suffix('.truth')}/{said}", markup=False)
+
+
+def _refuse_others(closed: float | None, positions: Path | None) -> None:
+    if closed is not None or positions is not None:
+        raise click.UsageError("--closed goes with an IFC model, --positions with a mesh; not with --generate.")
 
 
 def _scene(model: Path | None, seed: int, closed: float | None, positions: Path | None) -> Scene:
@@ -129,16 +153,15 @@ def _scene(model: Path | None, seed: int, closed: float | None, positions: Path 
 @click.argument("prediction", type=PATH)
 @click.argument("truth", type=PATH)
 @click.option("--format", "form", type=click.Choice(["table", "json"]), default="table", show_default=True)
-@click.option("--pictures", type=PATH, help="Folder for truth beside prediction, a sheet a storey, faults marked.")
 @click.pass_context
-def evaluate_command(ctx: click.Context, prediction: Path, truth: Path, form: str, pictures: Path | None) -> None:
+def evaluate_command(ctx: click.Context, prediction: Path, truth: Path, form: str) -> None:
     """Compare a graph and its cloud with the truth.
 
     Both are folders with graph.json and cloud.ply; PREDICTION may also be the id of a building in the store. Or both
     are folders of many buildings: NAME/ or NAME.exported/ in PREDICTION, NAME.truth/ or NAME/ in TRUTH.
     """
     if not (truth / "graph.json").is_file() and truth.is_dir():
-        ctx.exit(_evaluate_many(prediction, truth, form, pictures))
+        ctx.exit(_evaluate_many(prediction, truth, form))
     found = _evaluate_one(ctx, prediction, truth)
     if form == "json":
         OUT.print_json(json.dumps(found.to_dict()))
@@ -146,8 +169,6 @@ def evaluate_command(ctx: click.Context, prediction: Path, truth: Path, form: st
         print_table(("what", "value"), found.to_table())
         if faults := found.to_fault_table():
             print_table(("fault", "which", "why"), faults)
-    if pictures is not None:
-        _draw(found, pictures, "evaluation")
 
 
 def _evaluate_one(ctx: click.Context, prediction: Path, truth: Path) -> Evaluation:
@@ -165,7 +186,7 @@ def _evaluate_one(ctx: click.Context, prediction: Path, truth: Path) -> Evaluati
     return evaluate_graphs(graph, cloud, read_graph(truth / "graph.json"), read_cloud(truth / "cloud.ply"))
 
 
-def _evaluate_many(prediction: Path, truth: Path, form: str, pictures: Path | None) -> int:
+def _evaluate_many(prediction: Path, truth: Path, form: str) -> int:
     """Print figures of all buildings and in total; return the exit status, 1 if any failed."""
     from enfilade.evaluate import evaluate_many, pair_folders, pool
     from enfilade.evaluate.many import COLUMNS, pooled_figures, summary_rows
@@ -177,8 +198,6 @@ def _evaluate_many(prediction: Path, truth: Path, form: str, pictures: Path | No
         bars.start("evaluate", len(folders))
         for outcome in evaluate_many(folders):
             records[outcome.name] = outcome.to_dict()
-            if pictures is not None and outcome.evaluation is not None:
-                _draw(outcome.evaluation, pictures, outcome.name)
             bars.advance()
     if form == "json":
         OUT.print_json(json.dumps({"buildings": records, "total": pool(records)}))
@@ -186,15 +205,3 @@ def _evaluate_many(prediction: Path, truth: Path, form: str, pictures: Path | No
         print_table(COLUMNS, summary_rows(records))
         print_table(("in all", "value"), figure_rows(pooled_figures(records)))
     return 1 if any("error" in record for record in records.values()) else 0
-
-
-def _draw(found: Evaluation, folder: Path, name: str) -> None:
-    """Draw truth beside prediction; a building without outlines says so and stops nothing."""
-    from enfilade.pictures import draw_evaluation
-
-    try:
-        drawn = draw_evaluation(found, folder, name=name)
-    except NotFoundError as error:
-        ERR.print(f"{name}: {error}", markup=False)
-    else:
-        ERR.print(f"Wrote {', '.join(map(str, drawn))}", markup=False)

@@ -1,6 +1,8 @@
 """A virtual terrestrial laser scanner: a building in, an E57 file with the truth beside it out."""
 
 from .demo import basin_mesh, demo_scene
+from .faults import FAULTS
+from .generate import Generated, generate
 from .ifc import ifc_scene
 from .meshes import mesh_scene
 from .scanner import Scanner
@@ -10,12 +12,15 @@ from .solids import write_obj
 from .stations import Setup
 
 __all__ = [
+    "FAULTS",
+    "Generated",
     "Parameters",
     "Scanner",
     "Scene",
     "Setup",
     "basin_mesh",
     "demo_scene",
+    "generate",
     "ifc_scene",
     "mesh_scene",
     "simulate",

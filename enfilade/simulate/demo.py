@@ -6,16 +6,14 @@ The paper's question has answers in it: the hall (about 15 m², with the stairs 
 
 from __future__ import annotations
 
+from .build import build
 from .furniture import basin, bathtub, bed, cabinet, chair, shelf, sofa, table, toilet, wardrobe
-from .plan import Flight, Hole, Level, Piece, Plan, Space, Wall, build
+from .plan import Hole, Leaf, Level, Piece, Plan, Run, Space, Stairs, rectangle
 from .scene import Scene
 from .solids import Mesh
 
 NORTH, WEST, SOUTH, EAST = 0.0, 90.0, 180.0, -90.0
 """The way a piece of furniture has its back."""
-
-_STAIRS = (1.3, 5.0, 5.2, 6.2)
-_WELL = (2.05, 5.0, 5.2, 6.2)
 
 
 def demo_scene() -> Scene:
@@ -30,16 +28,17 @@ def basin_mesh() -> Mesh:
 
 def demo_plan() -> Plan:
     """Return the plan of the demo building."""
+    flight = Run((1.3, 5.7), (5.0, 5.7), 1.0, 0.0, 2.9, 15)
     balustrades = (((2.01, 5.16), (5.0, 5.16)), ((2.01, 5.12), (2.01, 6.2)))
-    flight = Flight(("Hall", "Landing"), _STAIRS, _WELL, 0.0, 2.9, balustrades)
-    return Plan("demo", (0.0, 12.6, 0.0, 10.5), (_ground(), _upper()), (flight,))
+    stairs = Stairs(("Hall", "Landing"), (flight,), rectangle(2.05, 5.0, 5.2, 6.2), balustrades=balustrades)
+    return Plan("demo", rectangle(0.0, 12.6, 0.0, 10.5), (_ground(), _upper()), (stairs,))
 
 
 def _ground() -> Level:
     spaces = (
         Space(
             "Bath",
-            (0.3, 3.85, 0.3, 3.45),
+            rectangle(0.3, 3.85, 0.3, 3.45),
             (
                 Piece("basin", basin(), (1.35, 0.56), SOUTH),
                 Piece("toilet", toilet(), (0.66, 1.9), WEST),
@@ -48,19 +47,19 @@ def _ground() -> Level:
         ),
         Space(
             "Study",
-            (4.0, 6.05, 0.3, 3.45),
+            rectangle(4.0, 6.05, 0.3, 3.45),
             (
                 Piece("table", table(1.2, 0.65), (4.68, 0.7), SOUTH),
                 Piece("chair", chair(), (4.7, 1.35), SOUTH),
                 Piece("shelf", shelf(1.0), (4.18, 2.5), WEST),
             ),
         ),
-        Space("Hall", (0.3, 6.05, 3.6, 6.2), (Piece("cabinet", cabinet(0.9, 0.35, 0.8), (5.86, 5.6), EAST),)),
-        Space("Kitchen", (6.25, 12.3, 0.3, 3.45), _kitchen()),
-        Space("Living room", (6.25, 12.3, 3.6, 10.2), _living_room()),
+        Space("Hall", rectangle(0.3, 6.05, 3.6, 6.2), (Piece("cabinet", cabinet(0.9, 0.35, 0.8), (5.86, 5.6), EAST),)),
+        Space("Kitchen", rectangle(6.25, 12.3, 0.3, 3.45), _kitchen()),
+        Space("Living room", rectangle(6.25, 12.3, 3.6, 10.2), _living_room()),
         Space(
             "Guest room",
-            (0.3, 4.23, 6.35, 10.2),
+            rectangle(0.3, 4.23, 6.35, 10.2),
             (
                 Piece("bed", bed(), (3.6, 9.1), NORTH),
                 Piece("basin", basin(0.48, 0.36, 0.8), (0.49, 8.0), WEST),
@@ -70,14 +69,14 @@ def _ground() -> Level:
         ),
         Space(
             "Storage",
-            (4.35, 6.05, 6.35, 10.2),
+            rectangle(4.35, 6.05, 6.35, 10.2),
             (
                 Piece("shelf", shelf(1.0, 0.4), (4.56, 7.2), WEST),
                 Piece("shelf", shelf(0.8, 0.4, 1.5, 4), (5.2, 9.98), NORTH),
             ),
         ),
     )
-    return Level("Ground floor", 0.0, 2.6, spaces, _ground_walls())
+    return Level("Ground floor", 0.0, 2.6, spaces, _ground_holes())
 
 
 def _kitchen() -> tuple[Piece, ...]:
@@ -102,65 +101,35 @@ def _living_room() -> tuple[Piece, ...]:
     )
 
 
-def _ground_walls() -> tuple[Wall, ...]:
+def _ground_holes() -> tuple[Hole, ...]:
     return (
-        Wall(
-            (0.0, 0.15),
-            (12.6, 0.15),
-            0.3,
-            (
-                Hole("window", 2.2, 0.9, 0.7, (None, "Bath"), 1.5),
-                Hole("window", 5.0, 1.2, 1.2, (None, "Study"), 0.9),
-                Hole("window", 8.0, 1.8, 1.1, (None, "Kitchen"), 1.05),
-                Hole("window", 11.0, 1.2, 1.3, (None, "Kitchen"), 0.9),
-            ),
-        ),
-        Wall((12.45, 0.3), (12.45, 10.2), 0.3, (Hole("window", 6.9, 2.4, 1.9, (None, "Living room"), 0.4),)),
-        Wall(
-            (12.6, 10.35),
-            (0.0, 10.35),
-            0.3,
-            (
-                Hole("window", 4.0, 1.8, 1.2, (None, "Living room"), 0.9),
-                Hole("window", 10.4, 1.5, 1.2, (None, "Guest room"), 0.9),
-            ),
-        ),
-        Wall((0.15, 10.2), (0.15, 0.3), 0.3, (Hole("door", 5.8, 1.0, 2.1, (None, "Hall"), closed=True),)),
-        Wall(
-            (0.3, 3.525),
-            (12.3, 3.525),
-            0.15,
-            (
-                Hole("door", 2.6, 0.8, 2.0, ("Bath", "Hall")),
-                Hole("door", 4.9, 0.9, 2.05, ("Study", "Hall")),
-                Hole("passage", 9.2, 2.4, 2.6, ("Kitchen", "Living room")),
-            ),
-        ),
-        Wall(
-            (6.15, 0.3),
-            (6.15, 10.2),
-            0.2,
-            (
-                Hole("door", 1.9, 0.7, 2.0, ("Kitchen", "Study")),
-                Hole("door", 4.1, 1.2, 2.1, ("Living room", "Hall")),
-                Hole("door", 8.1, 0.8, 2.0, ("Living room", "Storage"), closed=True),
-            ),
-        ),
-        Wall((3.925, 0.3), (3.925, 3.45), 0.15),
-        Wall((0.3, 6.275), (6.05, 6.275), 0.15, (Hole("door", 0.5, 0.85, 2.0, ("Hall", "Guest room")),)),
-        Wall((4.29, 6.35), (4.29, 10.2), 0.12),
+        Hole("window", (None, "Bath"), (2.2, 0.15), 0.9, 0.7, sill=1.5),
+        Hole("window", (None, "Study"), (5, 0.15), 1.2, 1.2, sill=0.9),
+        Hole("window", (None, "Kitchen"), (8, 0.15), 1.8, 1.1, sill=1.05),
+        Hole("window", (None, "Kitchen"), (11, 0.15), 1.2, 1.3, sill=0.9),
+        Hole("window", (None, "Living room"), (12.45, 7.2), 2.4, 1.9, sill=0.4),
+        Hole("window", (None, "Living room"), (8.6, 10.35), 1.8, 1.2, sill=0.9),
+        Hole("window", (None, "Guest room"), (2.2, 10.35), 1.5, 1.2, sill=0.9),
+        Hole("door", (None, "Hall"), (0.15, 4.4), 1.0, 2.1, leaf=Leaf()),
+        Hole("door", ("Bath", "Hall"), (2.9, 3.525), 0.8, 2.0),
+        Hole("door", ("Study", "Hall"), (5.2, 3.525), 0.9, 2.05),
+        Hole("passage", ("Kitchen", "Living room"), (9.5, 3.525), 2.4, 2.6),
+        Hole("door", ("Kitchen", "Study"), (6.15, 2.2), 0.7, 2.0),
+        Hole("door", ("Living room", "Hall"), (6.15, 4.4), 1.2, 2.1),
+        Hole("door", ("Living room", "Storage"), (6.15, 8.4), 0.8, 2.0, leaf=Leaf()),
+        Hole("door", ("Hall", "Guest room"), (0.8, 6.275), 0.85, 2.0),
     )
 
 
 def _upper() -> Level:
-    return Level("Upper floor", 2.9, 5.4, _upper_spaces(), _upper_walls())
+    return Level("Upper floor", 2.9, 5.4, _upper_spaces(), _upper_holes())
 
 
 def _upper_spaces() -> tuple[Space, ...]:
     return (
         Space(
             "Bedroom 1",
-            (0.3, 4.6, 0.3, 3.45),
+            rectangle(0.3, 4.6, 0.3, 3.45),
             (
                 Piece("bed", bed(1.6), (1.45, 1.33), SOUTH),
                 Piece("bedside cabinet", cabinet(0.4, 0.38, 0.5), (2.55, 0.5), SOUTH),
@@ -169,7 +138,7 @@ def _upper_spaces() -> tuple[Space, ...]:
         ),
         Space(
             "Shower room",
-            (4.75, 7.4, 0.3, 3.45),
+            rectangle(4.75, 7.4, 0.3, 3.45),
             (
                 Piece("basin", basin(0.75, 0.5, 0.88), (7.13, 2.2), EAST),
                 Piece("toilet", toilet(0.36, 0.62), (5.08, 1.0), WEST),
@@ -178,7 +147,7 @@ def _upper_spaces() -> tuple[Space, ...]:
         ),
         Space(
             "Bedroom 2",
-            (7.55, 12.3, 0.3, 3.45),
+            rectangle(7.55, 12.3, 0.3, 3.45),
             (
                 Piece("bed", bed(1.2), (11.6, 1.35), SOUTH),
                 Piece("wardrobe", wardrobe(1.5), (7.87, 1.3), WEST),
@@ -186,11 +155,13 @@ def _upper_spaces() -> tuple[Space, ...]:
                 Piece("chair", chair(), (9.25, 1.3), NORTH),
             ),
         ),
-        Space("Landing", (0.3, 6.1, 3.6, 6.2), (Piece("shelf", shelf(0.8, 0.3, 1.1, 3), (0.47, 4.3), WEST),)),
-        Space("Corridor", (6.25, 12.3, 3.6, 5.0), (Piece("cabinet", cabinet(1.0, 0.35, 0.9), (8.0, 4.8), NORTH),)),
+        Space("Landing", rectangle(0.3, 6.1, 3.6, 6.2), (Piece("shelf", shelf(0.8, 0.3, 1.1, 3), (0.47, 4.3), WEST),)),
+        Space(
+            "Corridor", rectangle(6.25, 12.3, 3.6, 5.0), (Piece("cabinet", cabinet(1.0, 0.35, 0.9), (8.0, 4.8), NORTH),)
+        ),
         Space(
             "Bedroom 3",
-            (0.3, 6.1, 6.35, 10.2),
+            rectangle(0.3, 6.1, 6.35, 10.2),
             (
                 Piece("bed", bed(1.8, 2.1), (1.37, 8.2), WEST),
                 Piece("bedside cabinet", cabinet(0.45, 0.4, 0.5), (0.52, 9.6), WEST),
@@ -198,7 +169,7 @@ def _upper_spaces() -> tuple[Space, ...]:
                 Piece("sofa", sofa(0.95, 0.8), (5.5, 7.2), EAST),
             ),
         ),
-        Space("Studio", (6.25, 12.3, 5.15, 10.2), _studio()),
+        Space("Studio", rectangle(6.25, 12.3, 5.15, 10.2), _studio()),
     )
 
 
@@ -215,51 +186,21 @@ def _studio() -> tuple[Piece, ...]:
     )
 
 
-def _upper_walls() -> tuple[Wall, ...]:
+def _upper_holes() -> tuple[Hole, ...]:
     return (
-        Wall(
-            (0.0, 0.15),
-            (12.6, 0.15),
-            0.3,
-            (
-                Hole("window", 2.9, 1.4, 1.2, (None, "Bedroom 1"), 0.9),
-                Hole("window", 6.1, 0.7, 0.7, (None, "Shower room"), 1.4),
-                Hole("window", 9.6, 1.5, 1.2, (None, "Bedroom 2"), 0.9),
-            ),
-        ),
-        Wall(
-            (12.45, 0.3),
-            (12.45, 10.2),
-            0.3,
-            (
-                Hole("window", 4.0, 0.9, 1.3, (None, "Corridor"), 0.9),
-                Hole("window", 7.6, 1.8, 1.4, (None, "Studio"), 0.9),
-            ),
-        ),
-        Wall(
-            (12.6, 10.35),
-            (0.0, 10.35),
-            0.3,
-            (
-                Hole("window", 2.2, 1.5, 1.4, (None, "Studio"), 0.9),
-                Hole("window", 4.6, 1.5, 1.4, (None, "Studio"), 0.9),
-                Hole("window", 10.3, 1.5, 1.2, (None, "Bedroom 3"), 0.9),
-            ),
-        ),
-        Wall((0.15, 10.2), (0.15, 0.3), 0.3, (Hole("window", 4.9, 0.9, 1.2, (None, "Landing"), 0.9),)),
-        Wall(
-            (0.3, 3.525),
-            (12.3, 3.525),
-            0.15,
-            (
-                Hole("door", 3.2, 0.8, 2.0, ("Bedroom 1", "Landing")),
-                Hole("door", 5.1, 0.7, 2.0, ("Shower room", "Landing")),
-                Hole("door", 8.6, 0.85, 2.0, ("Bedroom 2", "Corridor")),
-            ),
-        ),
-        Wall((4.675, 0.3), (4.675, 3.45), 0.15),
-        Wall((7.475, 0.3), (7.475, 3.45), 0.15),
-        Wall((6.175, 3.6), (6.175, 10.2), 0.15, (Hole("door", 0.7, 0.9, 2.05, ("Corridor", "Landing")),)),
-        Wall((0.3, 6.275), (6.1, 6.275), 0.15, (Hole("door", 0.9, 0.9, 2.0, ("Landing", "Bedroom 3")),)),
-        Wall((6.25, 5.075), (12.3, 5.075), 0.15, (Hole("door", 4.2, 1.3, 2.1, ("Corridor", "Studio")),)),
+        Hole("window", (None, "Bedroom 1"), (2.9, 0.15), 1.4, 1.2, sill=0.9),
+        Hole("window", (None, "Shower room"), (6.1, 0.15), 0.7, 0.7, sill=1.4),
+        Hole("window", (None, "Bedroom 2"), (9.6, 0.15), 1.5, 1.2, sill=0.9),
+        Hole("window", (None, "Corridor"), (12.45, 4.3), 0.9, 1.3, sill=0.9),
+        Hole("window", (None, "Studio"), (12.45, 7.9), 1.8, 1.4, sill=0.9),
+        Hole("window", (None, "Studio"), (10.4, 10.35), 1.5, 1.4, sill=0.9),
+        Hole("window", (None, "Studio"), (8, 10.35), 1.5, 1.4, sill=0.9),
+        Hole("window", (None, "Bedroom 3"), (2.3, 10.35), 1.5, 1.2, sill=0.9),
+        Hole("window", (None, "Landing"), (0.15, 5.3), 0.9, 1.2, sill=0.9),
+        Hole("door", ("Bedroom 1", "Landing"), (3.5, 3.525), 0.8, 2.0),
+        Hole("door", ("Shower room", "Landing"), (5.4, 3.525), 0.7, 2.0),
+        Hole("door", ("Bedroom 2", "Corridor"), (8.9, 3.525), 0.85, 2.0),
+        Hole("door", ("Corridor", "Landing"), (6.175, 4.3), 0.9, 2.05),
+        Hole("door", ("Landing", "Bedroom 3"), (1.2, 6.275), 0.9, 2.0),
+        Hole("door", ("Corridor", "Studio"), (10.45, 5.075), 1.3, 2.1),
     )

@@ -113,10 +113,7 @@ class _Building:
         for number, piece in enumerate(self._of["furniture"]):
             parts.add_furnishing(piece.mesh, number)
             furnishings.append(Furnishing(number, _room_of(piece.mesh, locator), piece.name))
-        mesh, furnishing, surface, glass = parts.arrays()
-        return Scene(
-            name, mesh, furnishing, surface, glass, units.storeys, units.rooms, tuple(openings), tuple(furnishings)
-        )
+        return Scene(name, *parts.arrays(), units.storeys, units.rooms, tuple(openings), tuple(furnishings))
 
     def _door_frames(self, without: frozenset[int] | set[int] = frozenset()) -> list[Mesh]:
         return [door.part(~self._fillings[door.number]) for door in self._doors if door.number not in without]

@@ -1,276 +1,238 @@
-"""A building as a plan: rectangular rooms, straight walls with doors and windows, slabs, stairs, furniture.
+"""A building as a plan: spaces of any outline, holes in the walls between them, stairs, furniture.
 
-`build` turns the plan into a scene. The built-in demo building is such a plan, and so are small test buildings.
+Walls are what is left of the storey's outline between the spaces, so nothing about them has to be said, and two spaces
+that leave no gap have no wall. `build` makes a scene of a plan. The built-in demo building, the generated buildings
+and the small buildings of the tests are all plans.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
+import shapely
+from shapely import Polygon
 
-from . import scene
-from .solids import F64, Mesh, Rectangle, box, hexahedron, merge, slab, upright, wall
+from .roofs import Roof
+from .solids import Mesh, Rectangle
 
-LEAF_THICKNESS_M = 0.04
-LEAF_INSET_M = 0.03
-FRAME_M = 0.06
-BALUSTRADE_M = (0.08, 0.9)
-"""Thickness and height."""
+Point = tuple[float, float]
+AJAR_BELOW_DEG = 50.0
+"""A leaf that stands open less than this is ajar."""
+
+
+@dataclass(frozen=True, slots=True)
+class Leaf:
+    """The leaf of a door.
+
+    Attributes
+    ----------
+    angle_deg
+        How far it stands open; 0 is closed.
+    into
+        Which of the hole's two rooms it opens into, 0 or 1.
+    hinge
+        -1 or 1: at the low or the high end along the hole's axis.
+    glass
+        Whether the scanner sees through.
+    """
+
+    angle_deg: float = 0.0
+    into: int = 1
+    hinge: int = -1
+    glass: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Hole:
-    """A hole in a wall.
+    """A hole through a wall.
 
     Attributes
     ----------
     kind
         ``door``, ``passage`` or ``window``.
-    along
-        Metres from the start of the wall to the centre of the hole.
-    width, height, sill
-        Metres; the sill counts from the floor of the wall's storey.
     rooms
-        Names of the rooms on the right and on the left of the wall, seen from start to end; None is outside.
-    closed
-        Whether a leaf hangs in it.
+        Names of the spaces on its two sides; None is outside.
+    place
+        Its middle in plan, somewhere in the wall.
+    width, height, sill
+        Metres, clear; the sill counts from the higher floor of the two spaces.
+    leaf
+        Of a door or passage; None where nothing hangs in it.
+    lining
+        Thickness of the frame that lines a door's hole, metres; 0 for none.
+    mullions
+        Upright bars that part a window's pane.
+    glazed
+        Whether a window has panes; a gallery's open side has none.
     """
 
     kind: str
-    along: float
+    rooms: tuple[str | None, str | None]
+    place: Point
     width: float
     height: float
-    rooms: tuple[str | None, str | None]
     sill: float = 0.0
-    closed: bool = False
+    leaf: Leaf | None = None
+    lining: float = 0.0
+    mullions: int = 0
+    glazed: bool = True
 
-
-@dataclass(frozen=True, slots=True)
-class Wall:
-    """A straight wall by its centre line in plan, metres."""
-
-    start: tuple[float, float]
-    end: tuple[float, float]
-    thickness: float
-    holes: tuple[Hole, ...] = ()
+    @property
+    def state(self) -> str | None:
+        """``open``, ``ajar`` or ``closed``; None for a passage, where there is nothing to open."""
+        if self.kind == "window":
+            return "closed" if self.glazed else "open"
+        if self.leaf is None:
+            return None if self.kind == "passage" else "open"
+        if self.leaf.angle_deg == 0:
+            return "closed"
+        return "ajar" if self.leaf.angle_deg < AJAR_BELOW_DEG else "open"
 
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """A piece of furniture: where its origin stands in plan, turned anticlockwise."""
+    """A piece of furniture: where its origin stands in plan, turned anticlockwise, `height` over its room's floor."""
 
     name: str
     mesh: Mesh
-    place: tuple[float, float]
+    place: Point
     angle_deg: float = 0.0
+    height: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Mirror:
+    """A mirror on a wall: the middle of its foot in plan, the direction it faces, its size, metres over the floor."""
+
+    place: Point
+    facing_deg: float
+    width: float
+    height: float
+    above_floor: float
 
 
 @dataclass(frozen=True, slots=True)
 class Space:
-    """A rectangular room, x0, x1, y0, y1, and what stands in it."""
+    """A space to be a room.
+
+    Attributes
+    ----------
+    polygon
+        Its plan; holes in it are columns.
+    floor, roof
+        Where they are not the storey's: elevation of the floor, and what is above.
+    fixtures
+        Solids that belong to the structure: steps, balustrades.
+    scanned
+        Whether a scanner may be set up in it.
+    """
 
     name: str
-    rectangle: Rectangle
+    polygon: Polygon
     pieces: tuple[Piece, ...] = ()
+    floor: float | None = None
+    roof: Roof | None = None
+    mirrors: tuple[Mirror, ...] = ()
+    fixtures: tuple[Mesh, ...] = ()
+    scanned: bool = True
 
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """A storey: clear from `floor` to `ceiling`, metres."""
+    """A storey: clear from `floor` to `ceiling`, metres; `footprint` is its outline where it is not the plan's."""
 
     name: str
     floor: float
     ceiling: float
     spaces: tuple[Space, ...]
-    walls: tuple[Wall, ...]
+    holes: tuple[Hole, ...] = ()
+    footprint: Polygon | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class Flight:
-    """A straight flight of stairs that rises along +x from one room to another, with its well in the slab.
+class Run:
+    """A straight run of steps: the middle of its foot and of its head in plan, its width, elevations, risers."""
 
-    `rectangle` is the flight in plan, `well` the hole above it, `balustrades` are the lines of the low walls
-    around it; `step_count` risers.
+    foot: Point
+    head: Point
+    width: float
+    bottom: float
+    top: float
+    step_count: int
+
+
+@dataclass(frozen=True, slots=True)
+class Stairs:
+    """Stairs from one room up to another.
+
+    Attributes
+    ----------
+    rooms
+        The lower and the upper one.
+    runs
+        From the lowest up.
+    well
+        The hole in the slab above, in plan.
+    landings
+        Plan, lower and upper elevation of each landing between runs.
+    balustrades
+        Lines of the low walls around the well, on the upper floor.
     """
 
     rooms: tuple[str, str]
-    rectangle: Rectangle
-    well: Rectangle
-    bottom: float
-    top: float
-    balustrades: tuple[tuple[tuple[float, float], tuple[float, float]], ...] = ()
-    step_count: int = 15
+    runs: tuple[Run, ...]
+    well: Polygon
+    landings: tuple[tuple[Polygon, float, float], ...] = ()
+    balustrades: tuple[tuple[Point, Point], ...] = ()
+
+    @property
+    def bottom(self) -> float:
+        """Elevation of the foot."""
+        return self.runs[0].bottom
+
+    @property
+    def top(self) -> float:
+        """Elevation of the head."""
+        return self.runs[-1].top
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """A whole building; `footprint` is x0, x1, y0, y1 of its slabs, `garden` the metres of ground around it."""
+    """A whole building.
+
+    Attributes
+    ----------
+    footprint
+        Outline of its storeys.
+    slab_thickness
+        Of the lowest and the topmost slab; those between fill what the storeys leave.
+    garden
+        Metres of ground around the building; 0 for none.
+    ground
+        Elevation of the ground; 0.2 m below the lowest floor where None.
+    surroundings
+        Solids outside: other houses, trees, balconies.
+    outdoor_stations
+        ``(x, y, z)`` scanner positions outside.
+    """
 
     name: str
-    footprint: Rectangle
+    footprint: Polygon
     levels: tuple[Level, ...]
-    flights: tuple[Flight, ...] = ()
+    stairs: tuple[Stairs, ...] = ()
     slab_thickness: float = 0.3
     garden: float = 5.0
+    ground: float | None = None
+    surroundings: tuple[Mesh, ...] = ()
+    outdoor_stations: tuple[tuple[float, float, float], ...] = ()
 
 
-def build(plan: Plan) -> scene.Scene:
-    """Make the scene of a plan."""
-    parts = scene.SceneParts()
-    rooms = _rooms(plan)
-    numbers = {room.name: room.number for room in rooms}
-    furnishings: list[scene.Furnishing] = []
-    openings: list[scene.Opening] = []
-    _add_slabs(parts, plan)
-    for level in plan.levels:
-        for line in level.walls:
-            openings += _add_wall(parts, level, line, numbers)
-        for space in level.spaces:
-            furnishings += _add_pieces(parts, level, space, numbers, len(furnishings))
-    openings += [_add_flight(parts, flight, plan, numbers) for flight in plan.flights]
-    mesh, furnishing, surface, glass = parts.arrays()
-    storeys = tuple(scene.Storey(i, level.floor, level.name) for i, level in enumerate(plan.levels))
-    return scene.Scene(plan.name, mesh, furnishing, surface, glass, storeys, rooms, tuple(openings), tuple(furnishings))
+def rectangle(x0: float, x1: float, y0: float, y1: float) -> Polygon:
+    """Return a rectangle of the plan."""
+    return shapely.box(x0, y0, x1, y1)
 
 
-def _rooms(plan: Plan) -> tuple[scene.Room, ...]:
-    rooms: list[scene.Room] = []
-    for storey, level in enumerate(plan.levels):
-        for space in level.spaces:
-            x0, x1, y0, y1 = space.rectangle
-            outline = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
-            boundary = box([x0, y0, level.floor], [x1, y1, level.ceiling])
-            rooms.append(scene.Room(len(rooms), storey, space.name, (outline,), boundary, level.floor, level.ceiling))
-    return tuple(rooms)
-
-
-def _add_slabs(parts: scene.SceneParts, plan: Plan) -> None:
-    x0, x1, y0, y1 = plan.footprint
-    tops = [plan.levels[0].floor, *(level.floor for level in plan.levels[1:])]
-    tops.append(plan.levels[-1].ceiling + plan.slab_thickness)
-    bottoms = [tops[0] - plan.slab_thickness, *(level.ceiling for level in plan.levels)]
-    for bottom, top in zip(bottoms, tops, strict=True):
-        wells = [flight.well for flight in plan.flights if flight.bottom < bottom < flight.top]
-        parts.add_structure(slab(plan.footprint, bottom, top, wells))
-    if plan.garden > 0:
-        ground = (x0 - plan.garden, x1 + plan.garden, y0 - plan.garden, y1 + plan.garden)
-        parts.add_structure(slab(ground, tops[0] - 0.4, tops[0] - 0.2, [plan.footprint]))
-
-
-def _add_wall(parts: scene.SceneParts, level: Level, line: Wall, numbers: dict[str, int]) -> list[scene.Opening]:
-    gaps = [
-        (
-            hole.along - hole.width / 2,
-            hole.along + hole.width / 2,
-            level.floor + hole.sill,
-            level.floor + hole.sill + hole.height,
-        )
-        for hole in line.holes
-    ]
-    parts.add_structure(wall(line.start, line.end, line.thickness, (level.floor, level.ceiling), gaps))
-    for hole, gap in zip(line.holes, gaps, strict=True):
-        if hole.kind == "window":
-            _add_window(parts, line, gap)
-        elif hole.closed:
-            parts.add_structure(_leaf(line, gap))
-    return [_opening(level, line, hole, numbers) for hole in line.holes]
-
-
-def _add_window(parts: scene.SceneParts, line: Wall, gap: Rectangle) -> None:
-    u0, u1, z0, z1 = gap
-    pane = (u0 + FRAME_M, u1 - FRAME_M, z0 + FRAME_M, z1 - FRAME_M)
-    parts.add_structure(_pieces_on_line(line, [*_frame(gap, pane)], FRAME_M))
-    parts.add_glass(upright(line.start, line.end, 0.006, pane))
-
-
-def _frame(outer: Rectangle, inner: Rectangle) -> list[Rectangle]:
-    u0, u1, z0, z1 = outer
-    return [
-        (u0, inner[0], z0, z1),
-        (inner[1], u1, z0, z1),
-        (inner[0], inner[1], z0, inner[2]),
-        (inner[0], inner[1], inner[3], z1),
-    ]
-
-
-def _pieces_on_line(line: Wall, rectangles: Sequence[Rectangle], thickness: float) -> Mesh:
-    """Return upright boxes on the centre line of a wall."""
-    return merge(upright(line.start, line.end, thickness, rectangle) for rectangle in rectangles)
-
-
-def _leaf(line: Wall, gap: Rectangle) -> Mesh:
-    """Make a closed leaf near the left face of its wall, inset a little."""
-    left = _directions(line)[1]
-    shift = left * (line.thickness / 2 - LEAF_INSET_M - LEAF_THICKNESS_M / 2)
-    return _pieces_on_line(line, [gap], LEAF_THICKNESS_M).moved(shift)
-
-
-def _directions(line: Wall) -> tuple[F64, F64]:
-    """Return unit vectors along a wall and to its left."""
-    direction = np.array([*np.subtract(line.end, line.start), 0.0])
-    direction /= np.linalg.norm(direction)
-    return direction, np.array([-direction[1], direction[0], 0.0])
-
-
-def _opening(level: Level, line: Wall, hole: Hole, numbers: dict[str, int]) -> scene.Opening:
-    direction, left = _directions(line)
-    foot = np.array([*line.start, level.floor + hole.sill + hole.height / 2])
-    right_room, left_room = (scene.OUTSIDE if name is None else numbers[name] for name in hole.rooms)
-    state = None if hole.kind == "passage" else "closed" if hole.closed or hole.kind == "window" else "open"
-    return scene.Opening(
-        hole.kind,
-        state,
-        foot + direction * hole.along,
-        direction,
-        left,
-        hole.width,
-        hole.height,
-        line.thickness,
-        hole.sill,
-        (right_room, left_room),
-    )
-
-
-def _add_pieces(
-    parts: scene.SceneParts, level: Level, space: Space, numbers: dict[str, int], first: int
-) -> list[scene.Furnishing]:
-    for number, piece in enumerate(space.pieces, start=first):
-        parts.add_furnishing(piece.mesh.turned(piece.angle_deg).moved([*piece.place, level.floor]), number)
-    return [scene.Furnishing(first + k, numbers[space.name], p.name) for k, p in enumerate(space.pieces)]
-
-
-def _add_flight(parts: scene.SceneParts, flight: Flight, plan: Plan, numbers: dict[str, int]) -> scene.Opening:
-    parts.add_structure(_steps(flight))
-    for start, end in flight.balustrades:
-        parts.add_structure(wall(start, end, BALUSTRADE_M[0], (flight.top, flight.top + BALUSTRADE_M[1])))
-    x0, x1, y0, y1 = flight.well
-    middle = (flight.rectangle[2] + flight.rectangle[3]) / 2
-    ends = np.array([[flight.rectangle[0], middle, flight.bottom], [flight.rectangle[1], middle, flight.top]])
-    return scene.Opening(
-        "stairs",
-        None,
-        np.array([(x0 + x1) / 2, (y0 + y1) / 2, flight.top - plan.slab_thickness / 2]),
-        np.array([0.0, 1.0, 0.0]),
-        np.array([0.0, 0.0, 1.0]),
-        y1 - y0,
-        x1 - x0,
-        plan.slab_thickness,
-        None,
-        (numbers[flight.rooms[0]], numbers[flight.rooms[1]]),
-        ends,
-    )
-
-
-def _steps(flight: Flight, waist: float = 0.16) -> Mesh:
-    """Make steps with a sloped underside, each a solid of its own."""
-    x0, x1, y0, y1 = flight.rectangle
-    xs = np.linspace(x0, x1, flight.step_count + 1)
-    rise = (flight.top - flight.bottom) / flight.step_count
-    treads = flight.bottom + rise * np.arange(1, flight.step_count + 1)
-    soffit = np.maximum(flight.bottom + rise * np.arange(flight.step_count + 1) - waist, flight.bottom)
-    return merge(
-        hexahedron([[xs[k + i], y, z] for i in (0, 1) for y in (y0, y1) for z in (soffit[k + i], treads[k])])
-        for k in range(flight.step_count)
-    )
+def bounds_of(polygon: Polygon) -> Rectangle:
+    """Return least and greatest x, least and greatest y."""
+    x0, y0, x1, y1 = polygon.bounds
+    return x0, x1, y0, y1

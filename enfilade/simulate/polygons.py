@@ -47,6 +47,12 @@ def largest_polygon(shape: shapely.Geometry) -> Polygon:
     return max(parts, key=lambda part: part.area, default=Polygon())
 
 
+def polygon_of(shape: shapely.Geometry) -> Polygon:
+    """Return a shape that is known to be one polygon."""
+    assert isinstance(shape, Polygon), shape
+    return shape
+
+
 def extrude(polygon: Polygon, bottom: float, top: float) -> Mesh:
     """Return the closed prism over a polygon, holes included."""
     cells = shapely.get_parts(shapely.constrained_delaunay_triangles(polygon))

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from .casting import F32, Caster
 from .scene import Scene
-from .solids import F64, unit_normals
+from .solids import F64, Mesh, unit_normals
 
 Generator = np.random.Generator
+_DARKNESS = 7
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +40,10 @@ class Scanner:
         Share of the rays through a pane that never come back.
     dropout
         Share of rays lost for no reason.
+    dark_share, dark_loss
+        Share of the surfaces and pieces of furniture that are dark, and of the rays lost on them.
+    people
+        Mean number of people who stand about during a scan, elsewhere in each.
     registration_m, registration_deg
         Standard deviation of each coordinate and of each angle of the pose that the registration gives a scan.
     seed
@@ -57,6 +62,9 @@ class Scanner:
     glass_return: float = 0.08
     glass_loss: float = 0.3
     dropout: float = 0.005
+    dark_share: float = 0.0
+    dark_loss: float = 0.6
+    people: float = 0.0
     registration_m: float = 0.002
     registration_deg: float = 0.01
     seed: int = 1
@@ -98,13 +106,15 @@ class Scan:
     intensity
         ``(K,) float32`` in 0 to 1.
     triangle
-        ``(K,) int32`` the scene's triangle that was hit.
+        ``(K,) int32`` the scene's triangle that was hit, -1 for a person.
     hit
         ``(K, 3) float64`` the true point on that triangle, metres, in the scene's coordinates.
     normal
         ``(K, 3) float32`` its unit normal, turned towards the scanner.
     mixed
         ``(K,)`` whether the range lies between that of two surfaces.
+    stray
+        ``(K,)`` whether nothing of the building is there: people, and what a mirror shows behind itself.
     """
 
     name: str
@@ -115,6 +125,23 @@ class Scan:
     hit: F64
     normal: F32
     mixed: NDArray[np.bool_]
+    stray: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class _Hits:
+    """What K rays meet: range (infinity for nothing), triangle, unit normal, true point, and whether it is stray."""
+
+    ranges: F32
+    triangle: NDArray[np.int32]
+    normal: F32
+    points: F64
+    stray: NDArray[np.bool_]
+
+    def replaced(self, rays: NDArray[np.intp], other: _Hits, *, triangle: NDArray[np.int32]) -> None:
+        """Put other hits in the place of some, as stray ones."""
+        self.ranges[rays], self.normal[rays], self.points[rays] = other.ranges, other.normal, other.points
+        self.triangle[rays], self.stray[rays] = triangle, True
 
 
 class Tracer:
@@ -126,34 +153,74 @@ class Tracer:
         self._glass_ids = np.flatnonzero(scene.glass)
         self._solids = Caster(scene.submesh(~scene.glass))
         self._panes = Caster(scene.submesh(scene.glass))
+        self._mirror = scene.mirror
+        self._dark = _dark_triangles(scene, scanner)
         self._normals = unit_normals(scene.mesh).astype(np.float32)
         self._directions = ray_grid(scanner)
 
-    def scan(self, name: str, station: F64, generator: Generator) -> Scan:
-        """Measure from one position; the scanner's frame is turned by a random yaw."""
+    def scan(self, name: str, station: F64, generator: Generator, people: Mesh | None = None) -> Scan:
+        """Measure from one position, past people; the scanner's frame is turned by a random yaw."""
         yaw = rotation_about_z(generator.uniform(-170.0, 170.0))
         directions = np.einsum("ij,kj->ik", self._directions.reshape(-1, 3), yaw.astype(np.float32))
-        ranges, triangle = self._first_hits(station, directions, generator)
-        normal = self._normals[np.maximum(triangle, 0)]
-        measured, mixed = self._measure(ranges, directions, normal, generator)
-        cosine = -np.einsum("ij,ij->i", normal, directions)
-        keep = self._returned(ranges, np.abs(cosine), generator)
-        normal *= np.where(cosine < 0, -1, 1)[:, None].astype(np.float32)
+        hits = self._hits(station, directions, generator, people)
+        measured, mixed = self._measure(hits.ranges, directions, hits.normal, generator)
+        cosine = -np.einsum("ij,ij->i", hits.normal, directions)
+        keep = self._returned(hits, np.abs(cosine), generator)
+        normal = hits.normal * np.where(cosine < 0, -1, 1)[:, None].astype(np.float32)
         local = self._directions.reshape(-1, 3)[keep] * measured[keep, None]
         return Scan(
             name,
             self._registered(station, yaw, generator),
             local.astype(np.float32),
-            _intensity(triangle[keep], np.abs(cosine[keep])),
-            triangle[keep],
-            station + directions[keep] * ranges[keep, None],
+            _intensity(hits.triangle[keep], np.abs(cosine[keep]), self._dark[hits.triangle[keep]]),
+            hits.triangle[keep],
+            hits.points[keep],
             normal[keep],
             mixed[keep],
+            hits.stray[keep],
         )
+
+    def _hits(self, station: F64, directions: F32, generator: Generator, people: Mesh | None) -> _Hits:
+        ranges, triangle = self._first_hits(station, directions, generator)
+        hits = self._hits_of(ranges, triangle, station, directions)
+        if people is not None and len(people.triangles):
+            self._meet(people, station, directions, hits)
+        mirrored = np.flatnonzero((hits.triangle >= 0) & self._mirror[hits.triangle])
+        if len(mirrored):
+            self._reflect(mirrored, directions, hits)
+        return hits
+
+    def _hits_of(self, ranges: F32, triangle: NDArray[np.int32], starts: F64, directions: F32) -> _Hits:
+        normal = self._normals[np.maximum(triangle, 0)]
+        # Where nothing is met, any point will do.
+        points = starts + directions * np.where(np.isfinite(ranges), ranges, 0)[:, None]
+        return _Hits(ranges, triangle, normal, points, np.zeros(len(ranges), dtype=np.bool_))
+
+    def _meet(self, people: Mesh, station: F64, directions: F32, hits: _Hits) -> None:
+        """Let people stand in the way."""
+        ranges, triangle = Caster(people).cast(station, directions)
+        before = np.flatnonzero(ranges < hits.ranges)
+        normal = unit_normals(people).astype(np.float32)[triangle[before]]
+        points = station + directions[before] * ranges[before, None]
+        nobody = np.full(len(before), -1, dtype=np.int32)
+        body = _Hits(ranges[before], triangle[before], normal, points, np.ones(len(before), dtype=np.bool_))
+        hits.replaced(before, body, triangle=nobody)
+
+    def _reflect(self, rays: NDArray[np.intp], directions: F32, hits: _Hits) -> None:
+        """Follow rays that mirrors throw back; what they meet is measured straight on, behind the mirror."""
+        normal = hits.normal[rays]
+        along = np.einsum("ij,ij->i", normal, directions[rays])
+        turned = directions[rays] - 2 * along[:, None] * normal
+        starts = hits.points[rays] + 1e-3 * turned
+        ranges, triangle = self._solids.cast(starts, turned)
+        met = self._hits_of(ranges, np.where(triangle >= 0, self._solid_ids[triangle], -1), starts, turned)
+        there = _Hits(hits.ranges[rays] + ranges, met.triangle, _unturned(met.normal, normal), met.points, met.stray)
+        hits.replaced(rays, there, triangle=met.triangle.astype(np.int32))
 
     def _first_hits(self, station: F64, directions: F32, generator: Generator) -> tuple[F32, NDArray[np.int32]]:
         """Range and triangle of what each ray meets; infinity and -1 where it meets nothing."""
         ranges, triangle = self._solids.cast(station, directions)
+        ranges = ranges.copy()
         triangle = np.where(triangle >= 0, self._solid_ids[triangle], -1).astype(np.int32)
         if not len(self._glass_ids):
             return ranges, triangle
@@ -198,14 +265,15 @@ class Tracer:
         jump = (off_plane > scanner.mixed_jump_m) & (np.abs(ranges[beside] - ranges[chosen]) > scanner.mixed_jump_m)
         return chosen[jump], beside[jump]
 
-    def _returned(self, ranges: F32, cosine: F32, generator: Generator) -> NDArray[np.bool_]:
-        """Which rays come back: in range, not lost at a grazing angle, not lost at random."""
+    def _returned(self, hits: _Hits, cosine: F32, generator: Generator) -> NDArray[np.bool_]:
+        """Which rays come back: in range, not lost at a grazing angle, on something dark or at random."""
         scanner = self._scanner
         incidence = np.degrees(np.arccos(np.clip(cosine, 0.0, 1.0)))
         loss = np.clip((incidence - scanner.grazing_from_deg) / (90.0 - scanner.grazing_from_deg), 0.0, 1.0)
-        chance = generator.random(len(ranges), dtype=np.float32)
-        in_range = (ranges >= scanner.range_from_m) & (ranges <= scanner.range_to_m)
-        return in_range & (chance >= scanner.dropout + (1 - scanner.dropout) * loss)
+        dropout = scanner.dropout + (scanner.dark_loss - scanner.dropout) * self._dark[hits.triangle]
+        chance = generator.random(len(hits.ranges), dtype=np.float32)
+        in_range = (hits.ranges >= scanner.range_from_m) & (hits.ranges <= scanner.range_to_m)
+        return in_range & (chance >= dropout + (1 - dropout) * loss)
 
     def _registered(self, station: F64, yaw: F64, generator: Generator) -> Pose:
         shift = generator.normal(0.0, self._scanner.registration_m, 3)
@@ -242,7 +310,20 @@ def _small_rotation(angles: F64) -> F64:
     return rotation
 
 
-def _intensity(triangle: NDArray[np.int32], cosine: F32) -> F32:
+def _unturned(normal: F32, mirror: F32) -> F32:
+    """``(K, 3)`` normals as a mirror of normals `mirror` shows them."""
+    shown: F32 = normal - 2 * np.einsum("ij,ij->i", normal, mirror)[:, None] * mirror
+    return shown
+
+
+def _dark_triangles(scene: Scene, scanner: Scanner) -> NDArray[np.bool_]:
+    """``(T + 1,)`` whether each triangle is dark, by surface and piece of furniture; the last, for none, is not."""
+    thing = np.where(scene.furnishing >= 0, scene.surface.max(initial=-1) + 1 + scene.furnishing, scene.surface)
+    chance = np.random.default_rng([scanner.seed, _DARKNESS]).random(int(thing.max(initial=-1)) + 2)
+    return np.append((chance < scanner.dark_share)[thing] & (thing >= 0), False)
+
+
+def _intensity(triangle: NDArray[np.int32], cosine: F32, dark: NDArray[np.bool_]) -> F32:
     """Lambert's law with a reflectance that depends on the triangle pair (a box's side has two)."""
-    reflectance = 0.4 + 0.1 * ((triangle // 2) % 6)
+    reflectance = np.where(dark, 0.1, 0.4 + 0.1 * ((triangle // 2) % 6))
     return (reflectance * cosine).astype(np.float32)

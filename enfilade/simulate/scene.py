@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +37,9 @@ class Room:
     boundary
         Closed mesh of the space: a point is in the room where it is in the mesh.
     floor_elevation, ceiling_elevation
-        Metres.
+        Metres; of a ceiling that slopes the median.
+    scanned
+        Whether a scanner may be set up in it.
     """
 
     number: int
@@ -47,6 +49,7 @@ class Room:
     boundary: Mesh
     floor_elevation: float
     ceiling_elevation: float
+    scanned: bool = True
 
     @property
     def polygon(self) -> Polygon:
@@ -124,8 +127,12 @@ class Scene:
         ``(T,) int32`` number of the flat side of a wall, slab or other structure, -1 for furniture and glass.
     glass
         ``(T,)`` whether the scanner sees through.
+    mirror
+        ``(T,)`` whether rays are thrown back.
     stations
         ``(S, 3)`` scanner positions to use, or None to find them.
+    outdoors
+        ``(K, 3)`` scanner positions outside, in addition to those found.
     """
 
     name: str
@@ -133,11 +140,13 @@ class Scene:
     furnishing: I32
     surface: I32
     glass: NDArray[np.bool_]
+    mirror: NDArray[np.bool_]
     storeys: tuple[Storey, ...]
     rooms: tuple[Room, ...]
     openings: tuple[Opening, ...]
     furnishings: tuple[Furnishing, ...]
     stations: F64 | None = None
+    outdoors: F64 = field(default_factory=lambda: np.empty((0, 3)))
 
     def submesh(self, mask: NDArray[np.bool_]) -> Mesh:
         """Return some of the triangles, in order, with all vertices."""
@@ -149,32 +158,39 @@ class SceneParts:
 
     def __init__(self) -> None:
         self._meshes: list[Mesh] = []
-        self._numbers: list[tuple[int, int, bool]] = []
+        self._numbers: list[tuple[int, int, bool, bool]] = []
         self._solids = 0
 
     def add_structure(self, mesh: Mesh) -> None:
-        """Add one wall, slab, stair or the like."""
-        self._add(mesh, furnishing=-1, solid=self._solids, glass=False)
+        """Add one wall, slab, stair or the like, or all sides of a room."""
+        self._add(mesh, solid=self._solids)
         self._solids += 1
 
     def add_glass(self, mesh: Mesh) -> None:
         """Add a pane."""
-        self._add(mesh, furnishing=-1, solid=-1, glass=True)
+        self._add(mesh, glass=True)
+
+    def add_mirror(self, mesh: Mesh) -> None:
+        """Add a mirror."""
+        self._add(mesh, mirror=True)
 
     def add_furnishing(self, mesh: Mesh, number: int) -> None:
         """Add a piece of furniture."""
-        self._add(mesh, furnishing=number, solid=-1, glass=False)
+        self._add(mesh, furnishing=number)
 
-    def arrays(self) -> tuple[Mesh, I32, I32, NDArray[np.bool_]]:
-        """Mesh, furnishing, surface and glass as `Scene` has them."""
+    def arrays(self) -> tuple[Mesh, I32, I32, NDArray[np.bool_], NDArray[np.bool_]]:
+        """Mesh, furnishing, surface, glass and mirror as `Scene` has them."""
         counts = [len(mesh.triangles) for mesh in self._meshes]
-        furnishing, solid, glass = (np.repeat([n[k] for n in self._numbers], counts) for k in range(3))
+        furnishing, solid, glass, mirror = (np.repeat([n[k] for n in self._numbers], counts) for k in range(4))
         mesh = merge(self._meshes)
-        return mesh, furnishing.astype(np.int32), _surfaces(mesh, solid), glass.astype(np.bool_)
+        surface = _surfaces(mesh, solid)
+        return mesh, furnishing.astype(np.int32), surface, glass.astype(np.bool_), mirror.astype(np.bool_)
 
-    def _add(self, mesh: Mesh, *, furnishing: int, solid: int, glass: bool) -> None:
+    def _add(
+        self, mesh: Mesh, *, furnishing: int = -1, solid: int = -1, glass: bool = False, mirror: bool = False
+    ) -> None:
         self._meshes.append(mesh)
-        self._numbers.append((furnishing, solid, glass))
+        self._numbers.append((furnishing, solid, glass, mirror))
 
 
 def places_of(numbers: NDArray[np.integer], count: int) -> list[NDArray[np.intp]]:
@@ -193,3 +209,35 @@ def _surfaces(mesh: Mesh, solid: NDArray[np.int_]) -> I32:
     structure = solid >= 0
     surface[structure] = np.unique(keys[structure], axis=0, return_inverse=True)[1].reshape(-1)
     return surface
+
+
+def turned(scene: Scene, angle_deg: float, shift: F64) -> Scene:
+    """Return the scene turned anticlockwise about the z axis and then shifted by ``(3,)`` metres."""
+    rotation = Mesh(np.eye(3), np.empty((0, 3), dtype=np.int32)).turned(angle_deg).vertices.T
+
+    def placed(points: F64) -> F64:
+        moved: F64 = points @ rotation.T + shift
+        return moved
+
+    def room(r: Room) -> Room:
+        rings = tuple(placed(np.column_stack([ring, np.zeros(len(ring))]))[:, :2] for ring in r.outline)
+        floor, ceiling = r.floor_elevation + shift[2], r.ceiling_elevation + shift[2]
+        boundary = Mesh(placed(r.boundary.vertices), r.boundary.triangles)
+        return replace(
+            r, outline=rings, boundary=boundary, floor_elevation=float(floor), ceiling_elevation=float(ceiling)
+        )
+
+    def opening(o: Opening) -> Opening:
+        ends = None if o.ends is None else placed(o.ends)
+        axis, normal = o.axis @ rotation.T, o.normal @ rotation.T
+        return replace(o, position=placed(o.position), axis=axis, normal=normal, ends=ends)
+
+    return replace(
+        scene,
+        mesh=Mesh(placed(scene.mesh.vertices), scene.mesh.triangles),
+        storeys=tuple(replace(s, elevation=float(s.elevation + shift[2])) for s in scene.storeys),
+        rooms=tuple(room(r) for r in scene.rooms),
+        openings=tuple(opening(o) for o in scene.openings),
+        stations=None if scene.stations is None else placed(scene.stations),
+        outdoors=placed(scene.outdoors),
+    )

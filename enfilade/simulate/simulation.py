@@ -13,6 +13,7 @@ from enfilade.errors import InputError
 from enfilade.progress import Progress, Silent
 from enfilade.schema.exchange import write_graph
 
+from .crowd import Crowd
 from .e57 import scan_file
 from .locate import Locator
 from .scanner import Scanner, Tracer
@@ -68,11 +69,14 @@ def simulate(
     locator = Locator(scene.rooms)
     names = [f"Scan {number:03d}" for number in range(1, len(stations) + 1)]
     truth = TruthCloud(scene, locator)
+    crowd = Crowd(scene.mesh)
     tracer = Tracer(scene, chosen.scanner)
     progress.start("scan", total=len(stations))
     with scan_file(out) as write:
         for index, (name, station) in enumerate(zip(names, stations, strict=True)):
-            scan = tracer.scan(name, station, np.random.default_rng([chosen.scanner.seed, index]))
+            generator = np.random.default_rng([chosen.scanner.seed, index])
+            people = crowd.about(station, chosen.scanner.people, generator)
+            scan = tracer.scan(name, station, generator, people)
             if not len(scan.local):
                 raise InputError(f"{scene.name}: the scanner sees nothing at {np.round(station, 2).tolist()}; move it")
             write(scan)
@@ -85,7 +89,8 @@ def simulate(
 
 
 def _stations(scene: Scene, parameters: Parameters) -> F64:
-    stations = find_stations(scene, parameters.setup) if scene.stations is None else scene.stations
+    found = find_stations(scene, parameters.setup) if scene.stations is None else scene.stations
+    stations = np.concatenate([found, scene.outdoors])
     if not len(stations):
         raise InputError(f"{scene.name}: no room has a free place for the scanner; give its positions")
     return stations

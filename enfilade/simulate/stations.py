@@ -50,10 +50,10 @@ class Setup:
 
 
 def find_stations(scene: Scene, setup: Setup) -> F64:
-    """``(S, 3)`` scanner positions, room by room; rooms without a free place get none."""
+    """``(S, 3)`` scanner positions, room by room; rooms without a free place, or not to be scanned, get none."""
     solids = Caster(scene.mesh)
     structure = Caster(scene.submesh((scene.furnishing < 0) & ~scene.glass))
-    found = [_in_room(scene, room, setup, solids, structure) for room in scene.rooms]
+    found = [_in_room(scene, room, setup, solids, structure) for room in scene.rooms if room.scanned]
     return np.concatenate([np.empty((0, 3)), *found])
 
 
@@ -124,7 +124,8 @@ def _cover(chosen: list[int], seen: NDArray[np.bool_], clearance: F64, setup: Se
         gain = (seen & ~covered).sum(axis=1) / total
         if chosen and (covered.sum() >= setup.seen_share * total or gain.max() < setup.gain_share):
             return
-        best = int(np.argmax(gain + _FREEDOM_WEIGHT * clearance))
+        worth = gain + _FREEDOM_WEIGHT * clearance
+        best = int(np.argmax(np.where(gain >= setup.gain_share, worth, -np.inf) if chosen else worth))
         chosen.append(best)
         covered |= seen[best]
 

@@ -49,10 +49,12 @@ class TruthCloud:
     def add(self, scan: Scan) -> None:
         """Label the points of a scan and keep the thinned ones."""
         kept = _firsts(self._voxels(scan.pose.apply(scan.local)))
-        triangle, mixed = scan.triangle[kept], scan.mixed[kept]
-        room = rooms_of_surfaces(self._scene, self._locator, scan.hit[kept], scan.normal[kept])
-        furnishing = np.where(mixed, -1, self._scene.furnishing[triangle])
-        surface = np.where(mixed, -1, self._scene.surface[triangle])
+        triangle, stray = scan.triangle[kept], scan.stray[kept]
+        nothing = scan.mixed[kept] | stray
+        room = np.full(len(kept), OUTSIDE, dtype=np.int32)
+        room[~stray] = rooms_of_surfaces(self._scene, self._locator, scan.hit[kept][~stray], scan.normal[kept][~stray])
+        furnishing = np.where(nothing, -1, self._scene.furnishing[triangle])
+        surface = np.where(nothing, -1, self._scene.surface[triangle])
         labels = np.column_stack([room, furnishing, surface]).astype(np.int32)
         self._scans.append(_LabelledScan(scan.pose, scan.local[kept], labels))
 

@@ -1,11 +1,12 @@
 import numpy as np
 import pytest
 
+from enfilade.simulate.build import build
 from enfilade.simulate.casting import Caster
 from enfilade.simulate.doorways import doorways
 from enfilade.simulate.flights import stairs_between
 from enfilade.simulate.locate import Locator
-from enfilade.simulate.plan import Level, Plan, Space, build
+from enfilade.simulate.plan import Level, Plan, Space, rectangle
 from enfilade.simulate.solids import box, merge, slab, wall
 from enfilade.simulate.units import units_of
 
@@ -52,9 +53,9 @@ def test_a_hole_across_two_spaces_of_one_room_is_one_doorway():
 
 
 def test_stairs_join_the_rooms_at_their_foot_and_head():
-    spaces = [Space("Hall", (0, 6, 0, 3))], [Space("Landing", (0, 6, 0, 3))]
-    levels = tuple(Level(f"Level {k}", 3.0 * k, 3.0 * k + 2.7, tuple(spaces[k]), ()) for k in (0, 1))
-    scene = build(Plan("stairs", (0, 6, 0, 3), levels, garden=0.0))
+    spaces = [Space("Hall", rectangle(0, 6, 0, 3))], [Space("Landing", rectangle(0, 6, 0, 3))]
+    levels = tuple(Level(f"Level {k}", 3.0 * k, 3.0 * k + 2.7, tuple(spaces[k])) for k in (0, 1))
+    scene = build(Plan("stairs", rectangle(0, 6, 0, 3), levels, garden=0.0))
     steps = merge(box([1 + k / 4, 2, 3 * k / 16], [1.25 + k / 4, 3, 3 * (k + 1) / 16]) for k in range(16))
     slabs = Caster(merge([slab((0, 6, 0, 3), 2.7, 3.0, [(2, 5, 2, 3)]), slab((0, 6, 0, 3), -0.3, 0.0)]))
     found = stairs_between(steps, scene.rooms, Locator(scene.rooms), slabs)
@@ -68,6 +69,8 @@ def test_stairs_join_the_rooms_at_their_foot_and_head():
 
 
 def test_a_ladder_to_nowhere_joins_nothing():
-    scene = build(Plan("flat", (0, 6, 0, 3), (Level("Ground", 0.0, 2.7, (Space("Hall", (0, 6, 0, 3)),), ()),)))
+    scene = build(
+        Plan("flat", rectangle(0, 6, 0, 3), (Level("Ground", 0.0, 2.7, (Space("Hall", rectangle(0, 6, 0, 3)),)),))
+    )
     steps = merge(box([1 + k, 1, 0.2 * k], [1.3 + k, 2, 0.2 * k + 0.1]) for k in range(4))
     assert stairs_between(steps, scene.rooms, Locator(scene.rooms), Caster(scene.mesh)) is None

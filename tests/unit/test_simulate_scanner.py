@@ -68,7 +68,7 @@ def test_same_seed_gives_the_same_points_and_another_seed_others():
 
 
 def test_panes_send_some_rays_back_and_let_the_others_through():
-    scene = box_room(Hole("window", 2.0, 1.6, 1.4, (None, "Room"), 0.7), garden=20.0)
+    scene = box_room(Hole("window", (None, "Room"), (2.0, -0.1), 1.6, 1.4, sill=0.7), garden=20.0)
     scanner = replace(EXACT, angular_step_deg=0.5, glass_return=0.25, glass_loss=0.0)
     seen = scan(scene, scanner)
     on_pane = scene.glass[seen.triangle]
@@ -80,7 +80,7 @@ def test_panes_send_some_rays_back_and_let_the_others_through():
 
 
 def test_glass_loss_takes_rays_away():
-    scene = box_room(Hole("window", 2.0, 1.6, 1.4, (None, "Room"), 0.7), garden=20.0)
+    scene = box_room(Hole("window", (None, "Room"), (2.0, -0.1), 1.6, 1.4, sill=0.7), garden=20.0)
     whole = scan(scene, replace(EXACT, glass_return=0.0, glass_loss=0.0))
     dimmed = scan(scene, replace(EXACT, glass_return=0.0, glass_loss=0.5))
     beyond = [(s.hit[:, 1] < -0.21).sum() for s in (whole, dimmed)]
