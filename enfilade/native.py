@@ -8,10 +8,16 @@ EGL, OpenGL and X11, which no package carries: where they are missing, the error
 from __future__ import annotations
 
 import ctypes
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from types import ModuleType
+from typing import Final
 
 from enfilade.errors import InputError
+
+_VIEWER: Final = "open3d.visualization"
 
 
 @cache
@@ -29,7 +35,8 @@ def open3d() -> ModuleType:
     if library is not None:
         ctypes.CDLL(str(library), mode=ctypes.RTLD_GLOBAL)
     try:
-        import open3d as module
+        with _without_viewer():
+            import open3d as module
     except ImportError as error:
         raise InputError(
             f"Open3D cannot be loaded ({error}); on Debian install what it links to: "
@@ -38,3 +45,19 @@ def open3d() -> ModuleType:
 
     module.utility.set_verbosity_level(module.utility.VerbosityLevel.Error)
     return module
+
+
+@contextmanager
+def _without_viewer() -> Iterator[None]:
+    """Keep Open3D from importing its viewer: Dash and Plotly take longer to import than all the rest of it.
+
+    Who wants the viewer after that can still import it by its name.
+    """
+    if _VIEWER in sys.modules:
+        yield
+        return
+    sys.modules[_VIEWER] = ModuleType(_VIEWER)
+    try:
+        yield
+    finally:
+        del sys.modules[_VIEWER]
