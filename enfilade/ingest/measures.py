@@ -13,12 +13,12 @@ def measure_rooms(cloud: ThinnedCloud, surfels: Surfels, labels: RoomLabels, pla
     """Measure every room, in order of number."""
     order = np.argsort(labels.after, kind="stable")
     ends = np.cumsum(np.bincount(labels.after + 1, minlength=labels.room_count + 1))
-    point_room = np.append(labels.after, np.int32(-1))[surfels.point_surfel]
-    counts = np.bincount(point_room[point_room >= 0], minlength=labels.room_count)
+    point_counts = np.bincount(surfels.point_surfel + 1, minlength=len(labels.after) + 1)[1:]
+    counts = np.bincount(labels.after + 1, point_counts, labels.room_count + 1)[1:]
     rooms = []
     for number, plan in enumerate(plans):
         members = order[ends[number] : ends[number + 1]]
-        positions = surfels.positions[members].astype(np.float64)
+        columns = surfels.positions[members].T.astype(np.float64, order="C")
         rooms.append(
             Room(
                 number=number,
@@ -26,7 +26,7 @@ def measure_rooms(cloud: ThinnedCloud, surfels: Surfels, labels: RoomLabels, pla
                 floor_elevation=plan.floor_elevation,
                 ceiling_elevation=plan.ceiling_elevation,
                 centroid=np.append(plan.centre, plan.floor_elevation),
-                bounds=np.concatenate([positions.min(axis=0), positions.max(axis=0)]),
+                bounds=np.concatenate([columns.min(axis=1), columns.max(axis=1)]),
                 outline=plan.outline,
                 point_count=int(counts[number]),
                 scans=tuple(cloud.scan_names[scan] for scan in np.flatnonzero(labels.scan_room == number)),

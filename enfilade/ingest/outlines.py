@@ -10,6 +10,7 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from .cells import extent, tile_rectangles
 from .records import F32, F64, Bool
 
 I64 = NDArray[np.int64]
@@ -71,13 +72,13 @@ def draw_outline(
     """
     cell_m = parameters.cell_m
     margin = int(np.ceil(parameters.gap_m / cell_m)) + 2
-    extent = np.concatenate([level, walls, sights])
-    low = np.floor(extent.min(axis=0).astype(np.float64) / cell_m).astype(np.int64) - margin
-    shape = np.floor(extent.max(axis=0).astype(np.float64) / cell_m).astype(np.int64) - low + margin + 1
+    least, greatest = extent(np.concatenate([level, walls, sights]))
+    low = np.floor(least / cell_m).astype(np.int64) - margin
+    shape = np.floor(greatest / cell_m).astype(np.int64) - low + margin + 1
     wall = _closed(_drawn(walls, low, shape, cell_m), 1)
     cells = np.where(wall, _WALL, np.where(_drawn(level, low, shape, cell_m), _COVERED, _FREE)).astype(np.uint8)
-    _sweep(cells, _in_cells(scanners, low, cell_m), _in_cells(sights, low, cell_m))
-    inside = _inside(cells, np.unique(_in_cells(scanners, low, cell_m).astype(np.int64), axis=0), parameters)
+    _sweep(cells, scanners, sights, low, cell_m)
+    inside = _inside(cells, _in_cells(scanners, low, cell_m).astype(np.int64), parameters)
     edge = wall & ndimage.binary_dilation(inside, _CROSS, iterations=2)
     weight = inside + 0.5 * edge
     centre = (np.array(ndimage.center_of_mass(weight)) + low + 0.5) * cell_m
@@ -99,14 +100,21 @@ def _closed(grid: Bool, cells: int) -> Bool:
 
 
 @njit(cache=True)
-def _sweep(cells: UInt8, starts: F64, ends: F64) -> None:
-    """Cover the free cells along each ray, up to its end or the first wall."""
+def _sweep(cells: UInt8, starts: F32, ends: F32, low: I64, cell_m: float) -> None:
+    """Cover the free cells along each ray, up to its end or the first wall; no cell twice running from one scanner."""
+    last = np.full(cells.shape, -1, np.int64)
     for ray in range(len(starts)):
-        dx, dy = ends[ray, 0] - starts[ray, 0], ends[ray, 1] - starts[ray, 1]
+        x, y = np.float64(starts[ray, 0]) / cell_m - low[0], np.float64(starts[ray, 1]) / cell_m - low[1]
+        dx = np.float64(ends[ray, 0]) / cell_m - low[0] - x
+        dy = np.float64(ends[ray, 1]) / cell_m - low[1] - y
+        end = (int(x + dx), int(y + dy))
+        before, last[end] = last[end], ray
+        if before >= 0 and starts[before, 0] == starts[ray, 0] and starts[before, 1] == starts[ray, 1]:
+            continue
         steps = int(max(abs(dx), abs(dy))) + 1
         for step in range(steps):
             share = step / steps
-            i, j = int(starts[ray, 0] + share * dx), int(starts[ray, 1] + share * dy)
+            i, j = int(x + share * dx), int(y + share * dy)
             if i < 0 or j < 0 or i >= cells.shape[0] or j >= cells.shape[1]:
                 continue
             if cells[i, j] == _WALL:
@@ -139,10 +147,8 @@ def _holes_filled(inside: Bool, wall: Bool, most_cells: float) -> Bool:
 def _rings(grid: Bool, low: I64, parameters: OutlineParameters) -> tuple[F64, ...]:
     """Rings around the largest piece of the grid, drawn in by half a cell, simplified."""
     cell_m = parameters.cell_m
-    edges = np.diff(np.pad(grid, ((0, 0), (1, 1))).astype(np.int8), axis=1)
-    x, first = np.nonzero(edges == 1)
-    past = np.nonzero(edges == -1)[1]
-    runs = shapely.box(*(cell_m * np.stack([x + low[0], first + low[1], x + low[0] + 1, past + low[1]])))
+    tiles = tile_rectangles(grid) + low[[0, 0, 1, 1]]
+    runs = shapely.box(*(cell_m * tiles[:, [0, 2, 1, 3]].T))
     union = shapely.union_all(runs, grid_size=cell_m / 100.0)
     drawn_in = union.buffer(-cell_m / 2.0, join_style="mitre")
     polygon = max(shapely.get_parts(union if drawn_in.is_empty else drawn_in), key=lambda part: float(part.area))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from enfilade.native import open3d
 
+from .cells import tile_rectangles
 from .records import F32, I32, Bitmap, Bool, Planes
 
 I64 = NDArray[np.int64]
@@ -51,7 +52,7 @@ class Structure:
     def __init__(self, planes: Planes, *, close_doors_m: float = 0.0) -> None:
         o3d = open3d()
         rectangles = [
-            _rectangles(_doors_closed(bitmap, close_doors_m) if vertical else bitmap.occupancy > OCCUPIED)
+            tile_rectangles(_doors_closed(bitmap, close_doors_m) if vertical else bitmap.occupancy > OCCUPIED)
             for bitmap, vertical in zip(planes.bitmaps, planes.vertical, strict=True)
         ]
         self._normals = planes.normals
@@ -98,23 +99,6 @@ def _doors_closed(bitmap: Bitmap, height_m: float) -> Bool:
     gap = above - below - 1
     filled = (above < count) & (row >= lowest) & (gap * bitmap.cell_m <= height_m)
     return np.asarray(occupied | filled)
-
-
-def _rectangles(cells: Bool) -> I64:
-    """``(k, 4) int64`` first and past-last row and column of rectangles that tile the occupied cells.
-
-    Runs of cells along a row, then equal runs in successive rows made one: a wall takes few rectangles.
-    """
-    occupied = np.pad(cells, ((0, 0), (1, 1))).astype(np.int8)
-    edges = np.diff(occupied, axis=1)
-    row, first = np.nonzero(edges == 1)
-    past = np.nonzero(edges == -1)[1]
-    order = np.lexsort((row, past, first))
-    row, first, past = row[order], first[order], past[order]
-    begins = np.ones(len(row), bool)
-    begins[1:] = (np.diff(row) != 1) | (np.diff(first) != 0) | (np.diff(past) != 0)
-    ends = np.roll(begins, -1)
-    return np.stack([row[begins], row[ends] + 1, first[begins], past[begins]], axis=1)
 
 
 def _corners(bitmap: Bitmap, rectangles: I64) -> F32:
