@@ -9,41 +9,26 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import BinaryIO, Final, cast
+from typing import Final, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from enfilade.atomic import replacing
 from enfilade.errors import InputError, StoreError
+from enfilade.ply_header import PlyHeader, read_ply_header
 
 LABELS: Final = ("storey", "room", "object", "plane", "scan")
 
-_VERTEX: Final = np.dtype([*((axis, "<f8") for axis in "xyz"), *((label, "<i4") for label in LABELS)])
-_SORTED: Final = "comment enfilade cloud, sorted by room, object"
+_POSITION: Final = tuple((axis, "<f8") for axis in "xyz")
+_LABEL: Final = tuple((label, "<i4") for label in LABELS)
+_INTENSITY: Final = (("intensity", "<f4"),)
+_COLOUR: Final = tuple((channel, "u1") for channel in ("red", "green", "blue"))
+_PLY_NAMES: Final = {"<f8": "double", "<f4": "float", "<i4": "int", "u1": "uchar"}
+_SORTED: Final = "enfilade cloud, sorted by room, object"
 _CHUNK: Final = 1_000_000
-_LONGEST_HEADER: Final = 200
-_LONGEST_LINE: Final = 500
-_PLY_TYPES: Final = {
-    "char": "<i1",
-    "uchar": "<u1",
-    "short": "<i2",
-    "ushort": "<u2",
-    "int": "<i4",
-    "uint": "<u4",
-    "int8": "<i1",
-    "uint8": "<u1",
-    "int16": "<i2",
-    "uint16": "<u2",
-    "int32": "<i4",
-    "uint32": "<u4",
-    "float": "<f4",
-    "double": "<f8",
-    "float32": "<f4",
-    "float64": "<f8",
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +41,10 @@ class LabelledCloud:
         ``(N, 3) float64``, metres, in the scans' own coordinates.
     storey, room, object, plane, scan
         ``(N,) int32``, numbers of the ids, -1 for none.
+    intensity
+        ``(N,) float32`` as the scans' files have it, NaN where a scan had none; None where no scan had.
+    colour
+        ``(N, 3) uint8`` red, green, blue, black where a scan had none; None where no scan had.
     """
 
     positions: NDArray[np.float64]
@@ -64,13 +53,20 @@ class LabelledCloud:
     object: NDArray[np.int32]
     plane: NDArray[np.int32]
     scan: NDArray[np.int32]
+    intensity: NDArray[np.float32] | None = field(default=None, kw_only=True)
+    colour: NDArray[np.uint8] | None = field(default=None, kw_only=True)
 
     def __len__(self) -> int:
         return len(self.positions)
 
     def take(self, chosen: NDArray[np.bool_] | slice) -> LabelledCloud:
         """Return the points that a mask or a slice chooses."""
-        return LabelledCloud(self.positions[chosen], *(getattr(self, label)[chosen] for label in LABELS))
+        return LabelledCloud(
+            self.positions[chosen],
+            *(getattr(self, label)[chosen] for label in LABELS),
+            intensity=None if self.intensity is None else self.intensity[chosen],
+            colour=None if self.colour is None else self.colour[chosen],
+        )
 
 
 def write_cloud(path: Path, cloud: LabelledCloud) -> None:
@@ -84,7 +80,7 @@ def write_cloud(path: Path, cloud: LabelledCloud) -> None:
     order = np.lexsort((cloud.object, cloud.room))
     try:
         with replacing(path) as file:
-            file.write(_header(len(cloud)))
+            file.write(_header(cloud))
             for start in range(0, len(order), _CHUNK):
                 _vertices(cloud, order[start : start + _CHUNK]).tofile(file)
     except OSError as error:
@@ -126,29 +122,46 @@ def read_object(path: Path, room: int, object: int) -> LabelledCloud:
     return _cloud(_equal(_equal(vertices, "room", room, is_sorted), "object", object, is_sorted))
 
 
-def _header(count: int) -> bytes:
-    """Return the PLY header of `count` vertices."""
-    positions = [f"property double {axis}" for axis in "xyz"]
-    labels = [f"property int {label}" for label in LABELS]
-    vertices = f"element vertex {count}"
-    lines = ["ply", "format binary_little_endian 1.0", _SORTED, vertices, *positions, *labels, "end_header"]
+def _fields(cloud: LabelledCloud) -> list[tuple[str, str]]:
+    """Name and type of each property of a vertex."""
+    intensity = () if cloud.intensity is None else _INTENSITY
+    return [*_POSITION, *_LABEL, *intensity, *(() if cloud.colour is None else _COLOUR)]
+
+
+def _header(cloud: LabelledCloud) -> bytes:
+    """Return the PLY header of a cloud."""
+    properties = [f"property {_PLY_NAMES[type]} {name}" for name, type in _fields(cloud)]
+    vertices = f"element vertex {len(cloud)}"
+    lines = ["ply", "format binary_little_endian 1.0", f"comment {_SORTED}", vertices, *properties, "end_header"]
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
 def _vertices(cloud: LabelledCloud, chosen: NDArray[np.intp]) -> NDArray[np.void]:
     """Return the chosen points as PLY vertices."""
-    vertices = np.empty(len(chosen), dtype=_VERTEX)
-    for axis, name in enumerate("xyz"):
+    vertices = np.empty(len(chosen), dtype=_fields(cloud))
+    for axis, (name, _) in enumerate(_POSITION):
         vertices[name] = cloud.positions[chosen, axis]
     for label in LABELS:
         vertices[label] = getattr(cloud, label)[chosen]
+    if cloud.intensity is not None:
+        vertices["intensity"] = cloud.intensity[chosen]
+    if cloud.colour is not None:
+        for channel, (name, _) in enumerate(_COLOUR):
+            vertices[name] = cloud.colour[chosen, channel]
     return vertices
 
 
 def _cloud(vertices: NDArray[np.void]) -> LabelledCloud:
     """Copy vertices, which may lie on disk, into the arrays of a cloud."""
-    positions = np.column_stack([vertices[name] for name in "xyz"]).astype(np.float64, copy=False)
-    return LabelledCloud(positions, *(vertices[label].astype(np.int32) for label in LABELS))
+    names = vertices.dtype.names or ()
+    channels = [name for name, _ in _COLOUR]
+    is_coloured = all(name in names and vertices.dtype[name] == np.uint8 for name in channels)
+    return LabelledCloud(
+        np.column_stack([vertices[name] for name in "xyz"]).astype(np.float64, copy=False),
+        *(vertices[label].astype(np.int32) for label in LABELS),
+        intensity=vertices["intensity"].astype(np.float32) if "intensity" in names else None,
+        colour=np.column_stack([vertices[name] for name in channels]) if is_coloured else None,
+    )
 
 
 def _equal(vertices: NDArray[np.void], label: str, number: int, is_sorted: bool) -> NDArray[np.void]:
@@ -165,50 +178,32 @@ def _open(path: Path) -> tuple[NDArray[np.void], bool]:
     """Map a cloud file into memory: its vertices, and whether they are sorted."""
     try:
         with path.open("rb") as file:
-            lines, start = _read_header(file, path)
+            header = read_ply_header(file, path)
         size = path.stat().st_size
     except FileNotFoundError as error:
         raise InputError(f"There is no labelled cloud {path}; ingest the building again to make it.") from error
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror or error}.") from error
-    count, vertex = _parse_header(lines, path)
-    if size < start + count * vertex.itemsize:
+    count, vertex = _vertex_of(header, path)
+    if size < header.start + count * vertex.itemsize:
         raise InputError(f"{path} is truncated: it should hold {count} points; ingest the building again.")
     if count == 0:
         return np.empty(0, dtype=vertex), True
-    return np.memmap(path, dtype=vertex, mode="r", offset=start, shape=(count,)), _SORTED in lines
+    vertices = np.memmap(path, dtype=vertex, mode="r", offset=header.start, shape=(count,))
+    return vertices, _SORTED in header.comments
 
 
-def _read_header(file: BinaryIO, path: Path) -> tuple[list[str], int]:
-    """Return the header's lines and where the vertices begin."""
-    if file.read(4).rstrip() != b"ply":
-        raise InputError(f"{path} is no labelled cloud: it does not begin as a PLY file does.")
-    lines: list[str] = []
-    while len(lines) < _LONGEST_HEADER:
-        line = file.readline(_LONGEST_LINE)
-        lines.append(line.decode("ascii", errors="replace").strip())
-        if lines[-1] == "end_header":
-            return lines, file.tell()
-        if not line:
-            break
-    raise InputError(f"{path} is truncated or damaged: its header has no end; ingest the building again.")
-
-
-def _parse_header(lines: list[str], path: Path) -> tuple[int, np.dtype[np.void]]:
+def _vertex_of(header: PlyHeader, path: Path) -> tuple[int, np.dtype[np.void]]:
     """Return the number of vertices and their layout; the order of properties is free, more may be there."""
-    if "format binary_little_endian 1.0" not in lines:
+    if header.form != "binary_little_endian":
         raise InputError(f"{path} is no labelled cloud: that is a binary little endian PLY file.")
-    elements = [i for i, line in enumerate(lines) if line.startswith("element ")]
-    words = lines[elements[0]].split() if elements else []
-    if len(words) != 3 or words[1] != "vertex" or not words[2].isdecimal():
+    if not header.elements or header.elements[0].name != "vertex" or header.elements[0].count < 0:
         raise InputError(f"{path} is no labelled cloud: its first element is no list of vertices.")
-    last = elements[1] if len(elements) > 1 else len(lines)
-    properties = [line.split() for line in lines[elements[0] : last] if line.startswith("property ")]
-    fields = [(prop[-1], _PLY_TYPES[prop[1]]) for prop in properties if len(prop) == 3 and prop[1] in _PLY_TYPES]
-    names = [name for name, _ in fields]
-    if len(fields) != len(properties) or len(set(names)) != len(names):
+    vertex = header.elements[0]
+    if not vertex.is_plain:
         raise InputError(f"{path} is no labelled cloud: its vertices have properties that are not plain numbers.")
+    names = [name for name, _ in vertex.properties]
     missing = [name for name in ("x", "y", "z", *LABELS) if name not in names]
     if missing:
         raise InputError(f"{path} is no labelled cloud: its points have no {', '.join(missing)}.")
-    return int(words[2]), np.dtype(fields)
+    return vertex.count, np.dtype([(name, f"<{type}") for name, type in vertex.properties])

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from enfilade.cli.terminal import ERR, OUT, counted, open_archive, print_table, progress_bars
-from enfilade.errors import EnfiladeError, InputError
+from enfilade.errors import EnfiladeError, InputError, NotFoundError
 from enfilade.stores.archive import Archive
 
 if TYPE_CHECKING:
@@ -153,15 +153,16 @@ def _scene(model: Path | None, seed: int, closed: float | None, positions: Path 
 @click.argument("prediction", type=PATH)
 @click.argument("truth", type=PATH)
 @click.option("--format", "form", type=click.Choice(["table", "json"]), default="table", show_default=True)
+@click.option("--pictures", type=PATH, help="Folder for truth beside prediction, a sheet a storey, faults marked.")
 @click.pass_context
-def evaluate_command(ctx: click.Context, prediction: Path, truth: Path, form: str) -> None:
+def evaluate_command(ctx: click.Context, prediction: Path, truth: Path, form: str, pictures: Path | None) -> None:
     """Compare a graph and its cloud with the truth.
 
     Both are folders with graph.json and cloud.ply; PREDICTION may also be the id of a building in the store. Or both
     are folders of many buildings: NAME/ or NAME.exported/ in PREDICTION, NAME.truth/ or NAME/ in TRUTH.
     """
     if not (truth / "graph.json").is_file() and truth.is_dir():
-        ctx.exit(_evaluate_many(prediction, truth, form))
+        ctx.exit(_evaluate_many(prediction, truth, form, pictures))
     found = _evaluate_one(ctx, prediction, truth)
     if form == "json":
         OUT.print_json(json.dumps(found.to_dict()))
@@ -169,6 +170,8 @@ def evaluate_command(ctx: click.Context, prediction: Path, truth: Path, form: st
         print_table(("what", "value"), found.to_table())
         if faults := found.to_fault_table():
             print_table(("fault", "which", "why"), faults)
+    if pictures is not None:
+        _draw(found, pictures, "evaluation")
 
 
 def _evaluate_one(ctx: click.Context, prediction: Path, truth: Path) -> Evaluation:
@@ -186,7 +189,7 @@ def _evaluate_one(ctx: click.Context, prediction: Path, truth: Path) -> Evaluati
     return evaluate_graphs(graph, cloud, read_graph(truth / "graph.json"), read_cloud(truth / "cloud.ply"))
 
 
-def _evaluate_many(prediction: Path, truth: Path, form: str) -> int:
+def _evaluate_many(prediction: Path, truth: Path, form: str, pictures: Path | None) -> int:
     """Print figures of all buildings and in total; return the exit status, 1 if any failed."""
     from enfilade.evaluate import evaluate_many, pair_folders, pool
     from enfilade.evaluate.many import COLUMNS, pooled_figures, summary_rows
@@ -198,6 +201,8 @@ def _evaluate_many(prediction: Path, truth: Path, form: str) -> int:
         bars.start("evaluate", len(folders))
         for outcome in evaluate_many(folders):
             records[outcome.name] = outcome.to_dict()
+            if pictures is not None and outcome.evaluation is not None:
+                _draw(outcome.evaluation, pictures, outcome.name)
             bars.advance()
     if form == "json":
         OUT.print_json(json.dumps({"buildings": records, "total": pool(records)}))
@@ -205,3 +210,15 @@ def _evaluate_many(prediction: Path, truth: Path, form: str) -> int:
         print_table(COLUMNS, summary_rows(records))
         print_table(("in all", "value"), figure_rows(pooled_figures(records)))
     return 1 if any("error" in record for record in records.values()) else 0
+
+
+def _draw(found: Evaluation, folder: Path, name: str) -> None:
+    """Draw truth beside prediction; a building without outlines says so and stops nothing."""
+    from enfilade.pictures import draw_evaluation
+
+    try:
+        drawn = draw_evaluation(found, folder, name=name)
+    except NotFoundError as error:
+        ERR.print(f"{name}: {error}", markup=False)
+    else:
+        ERR.print(f"Wrote {', '.join(map(str, drawn))}", markup=False)

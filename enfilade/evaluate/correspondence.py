@@ -138,7 +138,7 @@ def nearest_by_cell(prediction: F64, near: NDArray[np.intp], truth: F64) -> tupl
     """Return the first true point of each cell, and the nearest predicted point to it, -1 where none is in reach.
 
     Most true points have a predicted one in their own cell, and a walk along both sorted lists of cells finds the
-    nearest there; the others ask a tree.
+    nearest there. The others look through the cells within reach, which lie in short runs of the sorted list.
 
     Parameters
     ----------
@@ -156,11 +156,7 @@ def nearest_by_cell(prediction: F64, near: NDArray[np.intp], truth: F64) -> tupl
     order = np.argsort(predicted_keys, kind="stable")
     found = _nearest_in_cell(truth[kept], true_keys, prediction[near], predicted_keys[order], order)
     left = np.flatnonzero(found < 0)
-    if len(left) and len(near):
-        firsts = order[np.unique(predicted_keys[order], return_index=True)[1]]
-        tree = cKDTree(prediction[near[firsts]], balanced_tree=False, compact_nodes=False)
-        reached, index = tree.query(truth[kept[left]], distance_upper_bound=REACH_M, workers=-1)
-        found[left] = np.where(np.isfinite(reached), firsts[np.minimum(index, len(firsts) - 1)], -1)
+    _look_around(found, left, truth[kept], true_keys, prediction[near], predicted_keys[order], order, extent)
     return kept.astype(np.int64), np.where(found >= 0, near[found] if len(near) else -1, -1)
 
 
@@ -182,6 +178,28 @@ def _nearest_in_cell(points: F64, keys: I64, others: F64, other_keys: I64, order
                 best, found[cell] = distance, other
             place += 1
     return found
+
+
+@njit(cache=True)
+def _look_around(
+    found: I64, left: I64, points: F64, keys: I64, others: F64, other_keys: I64, order: I64, extent: I64
+) -> None:  # pragma: no cover
+    """Find the nearest point within reach for those that are left; a run of cells along z is one search."""
+    reach = int(np.ceil(REACH_M / CELL_M))
+    for cell in left:
+        best = REACH_M**2
+        for x in range(-reach, reach + 1):
+            for y in range(-reach, reach + 1):
+                middle = keys[cell] + (x * extent[1] + y) * extent[2]
+                place = np.searchsorted(other_keys, middle - reach)
+                while place < len(other_keys) and other_keys[place] <= middle + reach:
+                    other = order[place]
+                    distance = 0.0
+                    for axis in range(3):
+                        distance += (others[other, axis] - points[cell, axis]) ** 2
+                    if distance <= best:
+                        best, found[cell] = distance, other
+                    place += 1
 
 
 def _keys(points: F64, low: F64, extent: I64) -> I64:

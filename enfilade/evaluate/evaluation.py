@@ -25,7 +25,8 @@ from .matching import Matching, match_rooms
 from .measures import MeasureFigures, StoreyFigures, match_storeys, measure_figures, storey_faults, storey_figures
 from .objects import Furnishings, ObjectFigures, match_objects, object_faults, object_figures
 from .opening_faults import opening_faults
-from .openings import OpeningFigures, Verdicts, judge_openings, opening_figures
+from .opening_figures import OpeningFigures, opening_figures
+from .openings import Verdicts, judge_openings
 from .rooms import RoomFigures, room_faults, room_figures
 from .sides import side
 from .summary import AllFigures

@@ -116,13 +116,13 @@ class Furnishings:
 
     @cached_property
     def ghosts(self) -> list[Node]:
-        """Segments that are no furnishing."""
-        return [node for node in _segments(self.prediction) if self.on_furnishings(number_of(node.id)) < GHOST_SHARE]
+        """Segments that are no furnishing; of one without a point on a true surface nothing can be said."""
+        known = (node for node in _segments(self.prediction) if number_of(node.id) in self.shared.predicted)
+        return [node for node in known if self.on_furnishings(number_of(node.id)) < GHOST_SHARE]
 
     def on_furnishings(self, segment: int) -> float:
         """Share of a segment that lies on any furnishing."""
-        size = self.shared.predicted.get(segment, 0)
-        return 1 - self.shared.both.get((-1, segment), 0) / size if size else 0.0
+        return 1 - self.shared.both.get((-1, segment), 0) / self.shared.predicted[segment]
 
 
 def match_objects(prediction: Side, truth: Side, cells: Cells) -> Furnishings:
@@ -212,9 +212,7 @@ def _on_planes(furnishings: Furnishings, number: int) -> float:
 
 def _why_ghost(furnishings: Furnishings, node: Node) -> tuple[str, str]:
     segment = number_of(node.id)
-    size = furnishings.shared.predicted.get(segment, 0)
-    if size == 0:
-        return "nowhere", "no true surface is near it"
+    size = furnishings.shared.predicted[segment]
     structure = furnishings.of_structure.both.get((1, segment), 0) / size
     if structure >= GHOST_SHARE:
         return "structure", f"{100 * structure:.0f} % of it is wall, floor, ceiling or the like"

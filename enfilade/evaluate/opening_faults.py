@@ -8,14 +8,17 @@ from typing import Final
 
 import numpy as np
 
-from .correspondence import CELL_M, Cells
+from .correspondence import Cells
 from .faults import Fault
 from .holes import DOORS, NEAR_M, REACH_M, STAIRS, Hole, Places
 from .matching import Matching
 from .openings import Verdict, Verdicts
 
 _HARDLY_SEEN_M2: Final = 1.0
-"""Around a door both sides of its wall have several square metres within 1 m."""
+"""Around a door both sides of its wall have several square metres."""
+_BESIDE_M: Final = 0.5
+_SPOT_M: Final = 0.1
+"""Surface is measured in cubes of this side, so that a thin cloud is no less of it."""
 
 Reason = tuple[str, str, tuple[Hole, ...]]
 
@@ -68,7 +71,7 @@ def _why_missed(scene: _Scene, verdict: Verdict, hole: Hole) -> Reason:
     at_place = [other for other in free if other.distance(hole) <= REACH_M]
     for other in at_place:
         if other.kind in _alike(hole):
-            return "wrong_rooms", _wrong_rooms(other, hole), (other,)
+            return "wrong_rooms", _wrong_rooms(scene.matching, other, "said to lead"), (other,)
     if at_place:
         other = at_place[0]
         return "wrong_kind", f"{other.name} is at its place, said to be a {other.kind or 'thing of no kind'}", (other,)
@@ -77,7 +80,8 @@ def _why_missed(scene: _Scene, verdict: Verdict, hole: Hole) -> Reason:
         return "off", f"{off[0].name} is {_off(off[0], hole)}", (off[0],)
     seen = _seen_m2(scene.cells, hole)
     if seen < _HARDLY_SEEN_M2:
-        return "hardly_seen", f"nothing at its place; only {seen:.1f} m² of surface was seen within 1 m", ()
+        said = f"only {seen:.1f} m² of surface was seen within {_around_m(hole):.1f} m"
+        return "hardly_seen", f"nothing at its place; {said}", ()
     if near:
         return "none_there", f"nothing at its place; the nearest is {near[0].name}, {_off(near[0], hole)}", (near[0],)
     return "none_near", "no opening within 1 m of it", ()
@@ -95,7 +99,7 @@ def _why_invented(scene: _Scene, verdict: Verdict, hole: Hole) -> Reason:
         place = f"; {alike[0].name} is at its place" if alike else ""
         return "rooms_not_found", f"a room at its end is no true room{place}", tuple(alike[:1])
     if alike:
-        return "wrong_rooms", _wrong_rooms(alike[0], hole, said=False), (alike[0],)
+        return "wrong_rooms", _wrong_rooms(scene.matching, alike[0], "and leads"), (alike[0],)
     if at_place:
         return "wrong_kind", f"{at_place[0].name} is there, a {at_place[0].kind}", (at_place[0],)
     off = [other for other in near if other.joins == hole.joins and other.kind in _alike(hole)]
@@ -113,13 +117,12 @@ def _alike(hole: Hole) -> tuple[str, ...]:
     return DOORS if hole.kind in DOORS else STAIRS if hole.kind in STAIRS else (hole.kind,)
 
 
-def _wrong_rooms(other: Hole, hole: Hole, *, said: bool = True) -> str:
-    """Say that two openings at one place lead to different rooms."""
-    if said and len(other.rooms) < len(hole.rooms):
-        return f"{other.name} is there, said to lead outside"
-    if not said and len(other.rooms) < len(hole.rooms):
-        return f"{other.name} is there, and leads outside"
-    return f"{other.name} is there, {'said to join' if said else 'and joins'} other rooms"
+def _wrong_rooms(matching: Matching, other: Hole, verb: str) -> str:
+    """Say that another opening is at the place, and where it leads, in terms of true rooms."""
+    ends = ["no true room" if room is None else matching.truth.name(room) for room in other.rooms]
+    if len(ends) == 2:
+        return f"{other.name} is there, {verb} from {ends[0]} to {ends[1]}"
+    return f"{other.name} is there, {verb} from {ends[0] if ends else 'no room'} outside"
 
 
 def _rooms_lost(matching: Matching, hole: Hole) -> str:
@@ -146,9 +149,16 @@ def _off(other: Hole, hole: Hole) -> str:
     return f"{distance:.2f} m off{height}"
 
 
+def _around_m(hole: Hole) -> float:
+    """Return how far from its centre the surface about an opening reaches: half a metre beyond its corners."""
+    return float(np.hypot(hole.properties.get("width", 1.0), hole.properties.get("height", 2.0))) / 2 + _BESIDE_M
+
+
 def _seen_m2(cells: Cells, hole: Hole) -> float:
-    """Area of true surface within 1 m of an opening, m²."""
+    """Area of true surface about an opening, m²."""
     if hole.position is None:
         return float("inf")
-    near = cells.positions[np.abs(cells.positions[:, 0] - hole.position[0]) <= NEAR_M]
-    return float((np.linalg.norm(near - hole.position, axis=1) <= NEAR_M).sum()) * CELL_M**2
+    reach = _around_m(hole)
+    near = cells.positions[np.abs(cells.positions[:, 0] - hole.position[0]) <= reach]
+    near = near[np.linalg.norm(near - hole.position, axis=1) <= reach]
+    return float(len(np.unique(np.floor(near / _SPOT_M), axis=0))) * _SPOT_M**2

@@ -9,7 +9,7 @@ from .connectivity import ConnectivityFigures, NeighbourFigures
 from .figures import Figures
 from .measures import MeasureFigures, StoreyFigures
 from .objects import ObjectFigures
-from .openings import OpeningFigures
+from .opening_figures import OpeningFigures
 from .rooms import RoomFigures
 
 

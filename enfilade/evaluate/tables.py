@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Any, Final
 
 from .faults import Fault
-from .openings import KindFigures
+from .opening_figures import KindFigures
 from .rooms import ApartFigures
 from .summary import AllFigures
 

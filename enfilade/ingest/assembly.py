@@ -84,6 +84,8 @@ def assemble_cloud(found: Findings) -> LabelledCloud:
         thing,
         _of_surfel(found.planes.surfel_plane, found.surfels.point_surfel),
         found.cloud.scan,
+        intensity=found.cloud.intensity,
+        colour=found.cloud.colour,
     )
 
 
@@ -175,6 +177,7 @@ def _add_openings(graph: BuildingGraph, openings: Sequence[Opening], origin: NDA
             width=opening.width,
             height=opening.height,
             sill=opening.sill,
+            lintel=opening.lintel,
             area=opening.area,
             position=(opening.position + origin).tolist(),
             normal=opening.normal.tolist(),

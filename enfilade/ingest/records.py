@@ -290,7 +290,11 @@ class Neighbour:
 
 @dataclass(frozen=True, slots=True)
 class Opening:
-    """A hole between two rooms, or between a room and the outside (`room_b` is None) (§5.2)."""
+    """A hole between two rooms, or between a room and the outside (`room_b` is None) (§5.2).
+
+    `sill` is how high it begins over the floor, `lintel` how much wall there is over it, 0 for a passage, None for one
+    in a floor.
+    """
 
     kind: str
     orientation: str
@@ -305,6 +309,7 @@ class Opening:
     ray_count: int
     state: str | None
     confidence: float
+    lintel: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

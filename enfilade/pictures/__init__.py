@@ -1,8 +1,9 @@
-"""Plans, clouds and matches as pictures."""
+"""Plans, matches and evaluations as pictures."""
 
 from __future__ import annotations
 
+from .evaluation import draw_evaluation
 from .match import draw_match
 from .plan import draw_plan, draw_storeys
 
-__all__ = ["draw_match", "draw_plan", "draw_storeys"]
+__all__ = ["draw_evaluation", "draw_match", "draw_plan", "draw_storeys"]

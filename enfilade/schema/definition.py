@@ -180,6 +180,7 @@ NODE_TYPES: Final = (
             Property("width", Kind.REAL, "clear width", "m"),
             Property("height", Kind.REAL, "clear height", "m"),
             Property("sill", Kind.REAL, "height of its lower edge over the floor", "m"),
+            Property("lintel", Kind.REAL, "height of the wall over it, 0 for a passage", "m"),
             Property("area", Kind.REAL, "of the hole", "m²"),
             Property("position", Kind.REALS, "centre of the hole: x y z", "m", length=3),
             Property("normal", Kind.REALS, "unit vector across the opening", length=3),

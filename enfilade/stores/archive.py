@@ -38,7 +38,8 @@ def cloud_file_name(store_url: str, building: str, cloud: LabelledCloud) -> str:
     """
     readable = re.sub(r"[^A-Za-z0-9._-]+", "-", building).strip("-.")[:60] or "building"
     digest = sha256(f"{store_url}\0{building}".encode("utf-8", "surrogatepass"))
-    for column in (cloud.positions, *(getattr(cloud, label) for label in LABELS)):
+    columns = (cloud.positions, *(getattr(cloud, label) for label in LABELS), cloud.intensity, cloud.colour)
+    for column in (column for column in columns if column is not None):
         digest.update(np.ascontiguousarray(column).data)
     return f"{readable}-{digest.hexdigest()[:16]}.ply"
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -56,6 +58,33 @@ def test_other_tools_read_it(path):
     vertices = PlyData.read(str(path))["vertex"]
     assert [p.name for p in vertices.properties] == ["x", "y", "z", *LABELS]
     assert np.array_equal(vertices["x"], read_cloud(path).positions[:, 0])
+
+
+def measured(cloud, seed=0):
+    """The cloud with intensity, some of it missing, and colour."""
+    rng = np.random.default_rng(seed)
+    intensity = np.where(rng.random(len(cloud)) < 0.2, np.nan, rng.random(len(cloud))).astype(np.float32)
+    return replace(cloud, intensity=intensity, colour=rng.integers(0, 256, (len(cloud), 3), dtype=np.uint8))
+
+
+def test_intensity_and_colour_go_with_their_points(path):
+    cloud = measured(make_cloud(300))
+    write_cloud(path, cloud)
+    found = read_room(path, 2)
+    (chosen,) = np.nonzero(cloud.room == 2)
+    chosen = chosen[np.argsort(cloud.object[chosen], kind="stable")]
+    assert np.array_equal(found.intensity, cloud.intensity[chosen], equal_nan=True)
+    assert np.array_equal(found.colour, cloud.colour[chosen])
+    names = [p.name for p in PlyData.read(str(path))["vertex"].properties]
+    assert names == ["x", "y", "z", *LABELS, "intensity", "red", "green", "blue"]
+
+
+def test_what_was_not_measured_is_absent(path):
+    write_cloud(path, replace(measured(make_cloud(20)), intensity=None))
+    found = read_cloud(path)
+    assert found.intensity is None
+    assert found.colour is not None
+    assert found.take(slice(0, 5)).colour.shape == (5, 3)
 
 
 def save(path, vertices):

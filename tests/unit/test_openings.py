@@ -26,6 +26,7 @@ def test_a_door_has_its_size_and_place():
     assert door.width == pytest.approx(0.9, abs=0.03)
     assert door.height == pytest.approx(2.05, abs=0.04)
     assert door.sill == pytest.approx(0.0, abs=0.02)
+    assert door.lintel == pytest.approx(0.45, abs=0.03)
     np.testing.assert_allclose(door.position, [4.1, 1.45, 1.025], atol=0.04)
     assert abs(door.normal[0]) == pytest.approx(1.0)
     assert 0.7 < door.confidence <= 1
@@ -49,6 +50,7 @@ def test_a_wall_without_hole_has_no_opening():
 def test_a_hole_up_to_the_ceiling_is_a_passage():
     (passage,), *_ = openings_of(two_rooms(holes=[((0.5, 0.0), (2.5, 2.5))]))
     assert passage.kind == "passage"
+    assert passage.lintel == 0.0
     assert passage.width == pytest.approx(2.0, abs=0.05)
     assert passage.height == pytest.approx(2.5, abs=0.05)
 
@@ -57,6 +59,7 @@ def test_a_hole_above_the_floor_is_a_window_with_its_sill():
     (window,), *_ = openings_of(two_rooms(holes=[((1.0, 0.9), (2.0, 2.0))]))
     assert window.kind == "window"
     assert window.sill == pytest.approx(0.9, abs=0.04)
+    assert window.lintel == pytest.approx(0.5, abs=0.04)
     assert window.width == pytest.approx(1.0, abs=0.04)
 
 

@@ -12,16 +12,16 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.spatial import cKDTree
 from shapely import Point, Polygon, STRtree, box
 
-from enfilade.ingest.openings.holes import SQUARE, Grid, Hole, bridged, measure_hole
+from enfilade.ingest.openings.grid import Grid, bridged, opened, values
+from enfilade.ingest.openings.holes import Hole, measure_hole
 from enfilade.ingest.openings.parameters import OpeningParameters
 from enfilade.ingest.openings.rays import SideView
 from enfilade.ingest.openings.sight import Sight
-from enfilade.ingest.records import F64, Bool, Opening, Room, Surfels
+from enfilade.ingest.records import F64, Opening, Room, Surfels
 from enfilade.ingest.sides import Side
 
 FLOOR_M: Final = 0.05
@@ -76,19 +76,26 @@ def find_blind_holes(view: SideView, floor: float, parameters: OpeningParameters
     Holes with wall at their left, right and top, and at their bottom if they do not begin at the floor.
     """
     grid = Grid(view.side, parameters.cell_m)
-    wall = bridged(grid.marked(view.wall), parameters.bridge_m / parameters.cell_m)
-    low, high = view.side.bounds[:2], view.side.bounds[2:]
-    everywhere = grid.centres(np.ones_like(wall)).reshape(*wall.shape, 2)
-    hidden = bridged(grid.marked(view.front), parameters.bridge_m / parameters.cell_m)
-    empty = ~wall & ~hidden & ((everywhere > low) & (everywhere < high)).all(axis=2)
-    components, count = ndimage.label(ndimage.binary_opening(empty, SQUARE))
-    of_ray = grid.values(components, view.crossing)
+    gap = parameters.bridge_m / parameters.cell_m
+    wall, hidden = (bridged(grid.marked(grid.cells(places)), gap) for places in (view.wall, view.front))
+    components = ndimage.label(opened(~wall & ~hidden & grid.inner(view.side)))[0]
+    size = np.bincount(components.ravel())
+    crossed = grid.cells(view.crossing)
+    number = values(components, crossed)
     least_cells = parameters.min_width_m * parameters.min_height_m / parameters.cell_m**2
-    for number, size in enumerate(np.bincount(components.ravel(), minlength=count + 1)):
-        if number > 0 and size >= least_cells:
-            blind = _blind_hole(view, grid, components == number, np.flatnonzero(of_ray == number), parameters)
-            if _framed(blind.hole, floor, parameters):
-                yield blind
+    for k, box in enumerate(ndimage.find_objects(components), start=1):
+        if size[k] >= least_cells:
+            cells = components[box] == k
+            members = np.flatnonzero(number == k)
+            corner = (box[0].start, box[1].start)
+            hole = measure_hole(view, members, grid.centres(cells, corner), int(size[k]), parameters.cell_m)
+            if _framed(hole, floor, parameters):
+                soon = view.outbound[members] & (view.beyond[members] < parameters.max_inset_m)
+                leaf, passed = (
+                    (bridged(grid.marked(crossed[members[some]]), gap)[box] & cells).sum() / size[k]
+                    for some in (soon, ~soon)
+                )
+                yield BlindHole(hole, float(leaf), float(passed))
 
 
 def open_blind(
@@ -175,22 +182,6 @@ class _Behind:
         return float(wall.normal @ centre - wall.offset) * -1.0
 
 
-def _blind_hole(
-    view: SideView, grid: Grid, cells: Bool, members: NDArray[np.int_], parameters: OpeningParameters
-) -> BlindHole:
-    size = int(cells.sum())
-    hole = measure_hole(view, members, grid.centres(cells), size, parameters.cell_m)
-    soon = view.outbound[members] & (view.beyond[members] < parameters.max_inset_m)
-    shares = [
-        float(
-            (bridged(grid.marked(view.crossing[members[some]]), parameters.bridge_m / parameters.cell_m) & cells).sum()
-        )
-        / size
-        for some in (soon, ~soon)
-    ]
-    return BlindHole(hole, shares[0], shares[1])
-
-
 def _framed(hole: Hole, floor: float, parameters: OpeningParameters) -> bool:
     """Whether wall surrounds a hole that is a rectangle of some size."""
     at_floor = hole.edges[1] - floor < FLOOR_M
@@ -235,6 +226,7 @@ def _opening(
         ray_count=int((hole.beyond > parameters.max_inset_m).sum()),
         state="open" if is_open else "closed",
         confidence=float(np.mean([hole.bounded.mean(), hole.fill, seen])) * (DOUBT if is_door else 1.0),
+        lintel=hole.lintel,
     )
 
 

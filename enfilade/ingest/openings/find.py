@@ -7,7 +7,7 @@ from enfilade.ingest.openings.contacts import contact_sides
 from enfilade.ingest.openings.holes import Hole, find_holes
 from enfilade.ingest.openings.leads import group_holes, without_rivals
 from enfilade.ingest.openings.parameters import OpeningParameters
-from enfilade.ingest.openings.rays import Viewer, rays_of
+from enfilade.ingest.openings.rays import rays_of, view_sides
 from enfilade.ingest.openings.sight import Sight
 from enfilade.ingest.openings.slabs import floor_sides, open_slab
 from enfilade.ingest.openings.walls import open_walls
@@ -51,15 +51,16 @@ def find_openings(
     looked_at = sorted([*walls, *floor_sides(known)], key=lambda side: side.room)
     holes: list[Hole] = []
     blind: list[BlindHole] = []
-    viewer = Viewer(rays, surface_m=chosen.surface_m, front_m=chosen.front_m)
-    for view in viewer.views(looked_at):
+    reach = {"surface_m": chosen.surface_m, "front_m": chosen.front_m, "inset_m": chosen.max_inset_m}
+    for view in view_sides(rays, looked_at, surfels, **reach):
         holes.extend(find_holes(view, chosen))
         if view.side.vertical:
             blind.extend(find_blind_holes(view, known[view.side.room].floor_elevation, chosen))
     doors = group_holes([hole for hole in holes if hole.side.vertical], rays, known, chosen)
     openings = open_walls(doors, rays, known, neighbours, chosen)
     lines = contact_sides(surfels, labels, known, openings, chosen)
-    found = (hole for view in viewer.views(lines) for hole in find_holes(view, chosen))
+    views = view_sides(rays, lines, surfels, **reach)
+    found = (hole for view in views for hole in find_holes(view, chosen))
     framed = [hole for hole in found if hole.bounded[0] and hole.bounded[2]]
     passages = without_rivals(group_holes(framed, rays, known, chosen), doors, chosen.max_gap_m)
     openings += open_walls(passages, rays, known, neighbours, chosen)

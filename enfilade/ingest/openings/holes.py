@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from enfilade.ingest.openings.grid import Grid, bridged, opened, values
 from enfilade.ingest.openings.parameters import OpeningParameters
 from enfilade.ingest.openings.rays import SideView
 from enfilade.ingest.records import F64, I32, Bool
@@ -18,10 +19,8 @@ from enfilade.ingest.sides import Side
 REACH_M: Final = 0.15
 """How far from the outermost ray the wall beside a hole may begin."""
 
-BORDER_M: Final = 0.1
-"""Width of the border around a side in which points and crossings are looked at."""
-
-SQUARE: Final = np.ones((3, 3), dtype=bool)
+LEAST_POINTS: Final = 20
+"""Fewer points over a hole are no wall."""
 
 REVEAL_M: Final = 0.12
 """Points up to this far behind the wall, in a hole, are its reveal: they show its edge."""
@@ -43,6 +42,8 @@ class Hole:
         The rays through it, as in `SideView`.
     fill
         Share of the rectangle that rays went through.
+    lintel
+        Height of the wall over it, metres.
     """
 
     side: Side
@@ -53,6 +54,7 @@ class Hole:
     beyond: F64
     outbound: Bool
     fill: float
+    lintel: float
 
     @property
     def width(self) -> float:
@@ -87,52 +89,20 @@ def find_holes(view: SideView, parameters: OpeningParameters) -> Iterator[Hole]:
     if len(view.ray) < parameters.min_rays:
         return
     grid = Grid(view.side, parameters.cell_m)
-    wall = grid.marked(view.wall)
-    free = bridged(grid.marked(view.crossing) & ~wall, parameters.bridge_m / parameters.cell_m)
-    components = ndimage.label(ndimage.binary_opening(free & ~wall, SQUARE))[0]
-    number = grid.values(components, view.crossing)
+    crossed = grid.cells(view.crossing)
+    wall = grid.marked(grid.cells(view.wall))
+    free = bridged(grid.marked(crossed) & ~wall, parameters.bridge_m / parameters.cell_m)
+    components = ndimage.label(opened(free & ~wall))[0]
+    size = np.bincount(components.ravel())
+    number = values(components, crossed)
     order = np.argsort(number, kind="stable")
     for members in np.split(order, np.flatnonzero(np.diff(number[order])) + 1):
         if number[members[0]] > 0 and len(members) >= parameters.min_rays:
-            size = int((components == number[members[0]]).sum())
-            hole = measure_hole(view, members, view.crossing[members], size, parameters.cell_m)
+            hole = measure_hole(
+                view, members, view.crossing[members], int(size[number[members[0]]]), parameters.cell_m
+            )
             if hole.width >= parameters.min_width_m and hole.height >= parameters.min_height_m:
                 yield hole
-
-
-class Grid:
-    """Square cells on a side and a little around it."""
-
-    def __init__(self, side: Side, cell_m: float) -> None:
-        self._cell_m = cell_m
-        self._corner = side.bounds[:2] - BORDER_M - cell_m
-        self._shape = tuple(np.ceil((side.bounds[2:] + BORDER_M - self._corner) / cell_m).astype(int) + 1)
-
-    def _cells(self, places: F64) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
-        cells = np.floor((places - self._corner) / self._cell_m).astype(int)
-        return cells[:, 0], cells[:, 1]
-
-    def marked(self, places: F64) -> Bool:
-        """Cells that hold one of the places."""
-        mask = np.zeros(self._shape, dtype=bool)
-        mask[self._cells(places)] = True
-        return mask
-
-    def values(self, of_cell: NDArray[Any], places: F64) -> NDArray[Any]:
-        """Values of the cells that places lie in."""
-        return np.asarray(of_cell[self._cells(places)])
-
-    def centres(self, cells: Bool) -> F64:
-        """Middles of the marked cells."""
-        return np.asarray((np.argwhere(cells) + 0.5) * self._cell_m + self._corner, dtype=np.float64)
-
-
-def bridged(mask: Bool, cells: float) -> Bool:
-    """Close gaps in a mask up to so many cells wide."""
-    reach = max(round(cells / 2), 1)
-    padded = np.pad(mask, reach + 1)
-    closed = ndimage.binary_closing(padded, SQUARE, iterations=reach)
-    return np.asarray(closed[reach + 1 : -reach - 1, reach + 1 : -reach - 1], dtype=np.bool_)
 
 
 def measure_hole(view: SideView, members: NDArray[np.int_], places: F64, cells: int, cell_m: float) -> Hole:
@@ -175,7 +145,14 @@ def measure_hole(view: SideView, members: NDArray[np.int_], places: F64, cells: 
         beyond=view.beyond[members],
         outbound=view.outbound[members],
         fill=min(fill, 1.0),
+        lintel=_wall_over(view.wall, edges),
     )
+
+
+def _wall_over(wall: F64, edges: F64) -> float:
+    """Height of the wall over a hole, 0 if there is none."""
+    over = wall[(wall[:, 0] > edges[0]) & (wall[:, 0] < edges[2]) & (wall[:, 1] > edges[3]), 1]
+    return float(np.percentile(over, 99) - edges[3]) if len(over) > LEAST_POINTS else 0.0
 
 
 def _lower_edge(along: F64, across: F64, wall_along: F64, wall_across: F64, cell_m: float) -> tuple[float, bool]:

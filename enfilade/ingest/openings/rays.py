@@ -1,30 +1,20 @@
-"""Where laser rays go through the sides of rooms.
-
-A ray leaves a room through one of its walls, or comes into it through one: rays of the scanners that stand in a
-room and end behind a wall of it go out, rays that measured a point of the room from behind a wall of it come in.
-"""
+"""What laser rays tell about the sides of rooms: where they end on a side, and where they go through it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import groupby
 from typing import Final
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from enfilade.ingest.records import F64, I32, Bool, RoomLabels, Surfels, ThinnedCloud
+from enfilade.ingest.openings.crossings import SideGrid
+from enfilade.ingest.records import F32, F64, I32, Bool, RoomLabels, Surfels, ThinnedCloud
 from enfilade.ingest.sides import Side
 
-CHUNK: Final = 400_000
-"""Rays looked at together; keeps the working memory small."""
-
-LEAVES: Final = 1
-ENTERS: Final = 2
-ON: Final = 3
-BEFORE: Final = 4
+NOISE: Final = 3.0
+"""Points of a wall scatter about it by so many standard deviations."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,8 +31,8 @@ class Rays:
         ``(N,) int32`` the room in which the scanner stands, the room of the point; -1 for none.
     """
 
-    end: NDArray[np.float32]
-    start: NDArray[np.float32]
+    end: F32
+    start: F32
     scan: I32
     from_room: I32
     to_room: I32
@@ -98,118 +88,53 @@ def rays_of(cloud: ThinnedCloud, surfels: Surfels, labels: RoomLabels) -> Rays:
     return Rays(cloud.positions, cloud.scanner_positions, cloud.scan, labels.scan_room[cloud.scan], to_room)
 
 
-class Viewer:
-    """Looks at sides: collects the rays that cross each, and the points that lie on it or stand before it.
+def view_sides(
+    rays: Rays, sides: Sequence[Side], surfels: Surfels, *, surface_m: float, front_m: float, inset_m: float
+) -> Iterator[SideView]:
+    """Yield what the rays tell about each side.
 
     Parameters
     ----------
     rays
-        All rays.
+        All rays. Those that stay in one room end at sides; only those that leave one are followed through sides.
+    sides
+        In any order.
+    surfels
+        Those that the sides index: what scatters more is thicker.
     surface_m
-        Points this close to a side lie on it; a ray crosses only if it goes on for more.
+        Points this close to a side lie on it, however little it scatters.
     front_m
         Points this close stand before it.
+    inset_m
+        Rays that stay in one room go through a side if they end no farther behind it: in the leaf of a door.
     """
-
-    def __init__(self, rays: Rays, *, surface_m: float, front_m: float) -> None:
-        self._rays = rays
-        self._reach = (surface_m, front_m)
-        self._by_start = _Groups(rays.from_room)
-        self._by_end = _Groups(rays.to_room)
-
-    def views(self, sides: list[Side]) -> Iterator[SideView]:
-        """Yield one view a side; the sides must be ordered by room."""
-        for room, own in groupby(sides, key=lambda side: side.room):
-            measured, sent = self._by_end.of(room), self._by_start.of(room)
-            members = np.concatenate([measured, sent[self._rays.to_room[sent] != room]])
-            yield from _view_room(self._rays, members, list(own), room, self._reach)
-
-
-class _Groups:
-    """Indices by value, found with one sort, which is linear in short integers."""
-
-    def __init__(self, values: I32) -> None:
-        fits = values.max(initial=0) < np.iinfo(np.int16).max
-        self._order = np.argsort(values.astype(np.int16) if fits else values, kind="stable").astype(np.int32)
-        self._sorted = values[self._order]
-
-    def of(self, value: int) -> I32:
-        low, high = np.searchsorted(self._sorted, [value, value + 1])
-        return self._order[low:high]
+    surfaces = [max(surface_m, NOISE * _scatter(side, surfels)) for side in sides]
+    grid = SideGrid(sides, surfaces, front_m=front_m, inset_m=inset_m)
+    leaves = (rays.from_room != rays.to_room) | (rays.to_room < 0)
+    leaving = np.flatnonzero(leaves).astype(np.int32)
+    through = grid.crossings(rays.end[leaving], rays.start, rays.scan[leaving])
+    at = grid.ends(rays.end, rays.start, rays.scan)
+    for number, side in enumerate(sides):
+        ends, crossings = at.of(number), through.of(number)
+        behind = at.depth[ends] > surfaces[number]
+        inset = behind & ~leaves[at.ray[ends]]
+        before = at.depth[ends] < -surfaces[number]
+        ray = np.concatenate([leaving[through.ray[crossings]], at.ray[ends][inset]])
+        yield SideView(
+            side,
+            ray,
+            np.concatenate([through.place[crossings], at.place[ends][inset]]).astype(np.float64),
+            rays.ends(ray) @ np.column_stack([side.u, side.v]),
+            np.concatenate([through.depth[crossings], at.depth[ends][inset]]).astype(np.float64),
+            np.concatenate([through.outbound[crossings], at.outbound[ends][inset]]),
+            at.place[ends][~behind & ~before].astype(np.float64),
+            at.place[ends][before].astype(np.float64),
+        )
 
 
-def _view_room(
-    rays: Rays, members: I32, sides: list[Side], room: int, reach: tuple[float, float]
-) -> Iterator[SideView]:
-    """View all sides of a room."""
-    normals = np.array([side.normal for side in sides], dtype=np.float32)
-    offsets = np.array([side.offset for side in sides], dtype=np.float32)
-    ahead = rays.start @ normals.T - offsets
-    parts: list[list[tuple[I32, F64, F64, F64, Bool, F64, F64]]] = [[] for _ in sides]
-    for first in range(0, len(members), CHUNK):
-        chunk = members[first : first + CHUNK]
-        own = rays.from_room[chunk] == room
-        kind = _classify(rays.end[chunk], rays.scan[chunk], own, normals, offsets, ahead, *reach)
-        for row, (part, side) in enumerate(zip(parts, sides, strict=True)):
-            leaving, entering, on, before = (chunk[kind[row] == value] for value in (LEAVES, ENTERS, ON, BEFORE))
-            crossed = _cross(side, rays, leaving, entering)
-            part.append((*crossed, _along(side, rays, on), _along(side, rays, before)))
-    for part, side in zip(parts, sides, strict=True):
-        yield SideView(side, *(np.concatenate(columns) for columns in zip(*part, strict=True)))
-
-
-@njit(cache=True)
-def _classify(
-    end: NDArray[np.float32],
-    scan: I32,
-    own: Bool,
-    normals: NDArray[np.float32],
-    offsets: NDArray[np.float32],
-    ahead: NDArray[np.float32],
-    surface_m: float,
-    front_m: float,
-) -> NDArray[np.uint8]:
-    """Tell for each side (row) and ray (column) whether the ray leaves, enters, or ends on or right before the side.
-
-    `own` are the rays of scanners in the room, `ahead` the distances of all scanners (rows) from all sides (columns).
-    """
-    kind = np.zeros((len(offsets), len(end)), np.uint8)
-    for ray in range(len(end)):
-        x, y, z = end[ray]
-        for side in range(len(offsets)):
-            depth = normals[side, 0] * x + normals[side, 1] * y + normals[side, 2] * z - offsets[side]
-            start = ahead[scan[ray], side]
-            if abs(depth) < surface_m:
-                kind[side, ray] = ON
-            elif depth < 0.0:
-                if own[ray] and start > surface_m:
-                    kind[side, ray] = LEAVES
-            elif not own[ray] and start < -surface_m:
-                kind[side, ray] = ENTERS
-            elif depth < front_m:
-                kind[side, ray] = BEFORE
-    return kind
-
-
-def _cross(side: Side, rays: Rays, leaving: I32, entering: I32) -> tuple[I32, F64, F64, F64, Bool]:
-    """Find where rays cross a side, leaving out those that cross its plane beside it."""
-    ray = np.concatenate([leaving, entering])
-    start, end = rays.starts(ray), rays.ends(ray)
-    ahead, depth = start @ side.normal - side.offset, end @ side.normal - side.offset
-    frame = np.column_stack([side.u, side.v])
-    crossing = (start + (ahead / (ahead - depth))[:, None] * (end - start)) @ frame
-    outbound = np.arange(len(ray)) < len(leaving)
-    beyond = np.where(outbound, -depth, -ahead)
-    hit = _within(crossing, side.bounds, 0.1)
-    return ray[hit], crossing[hit], end[hit] @ frame, beyond[hit], outbound[hit]
-
-
-def _along(side: Side, rays: Rays, ray: I32) -> F64:
-    """Return where points lie along the axes of a side, leaving out those beside it."""
-    wall = rays.ends(ray) @ np.column_stack([side.u, side.v])
-    return wall[_within(wall, side.bounds, 0.1)]
-
-
-def _within(places: F64, bounds: F64, margin: float) -> Bool:
-    inside = (places > bounds[:2] - margin) & (places < bounds[2:] + margin)
-    return np.asarray(inside.all(axis=1), dtype=np.bool_)
+def _scatter(side: Side, surfels: Surfels) -> float:
+    """Standard deviation of a side's surfels about it, by their median distance, metres."""
+    if not len(side.surfels):
+        return 0.0
+    height = surfels.positions[side.surfels] @ side.normal.astype(np.float32) - np.float32(side.offset)
+    return 1.4826 * float(np.median(np.abs(height)))

@@ -90,6 +90,7 @@ def _opening(
         ray_count=len(ray),
         state="open",
         confidence=confidence(group, len(ray), doorway.bounded),
+        lintel=0.0 if kind == "passage" else max(lead.hole.lintel for lead in group.leads),
     )
 
 

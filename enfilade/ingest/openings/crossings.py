@@ -1,0 +1,251 @@
+"""Which laser rays end at which sides, and which go through: every ray is followed once.
+
+A grid of cells knows the sides that pass through them, so that the cost is that of the rays' length in cells, however
+many rooms there are.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from enfilade.ingest.records import F32, F64, I32, Bool
+from enfilade.ingest.sides import Side
+
+I64 = NDArray[np.int64]
+
+CELL_M: Final = 0.5
+"""Side of the cells that know their sides."""
+
+BORDER_M: Final = 0.1
+"""Width of the border around a side in which points and crossings are looked at."""
+
+PIECE_M: Final = 0.25
+"""Sides are put into cells by places on them that are no farther apart than this."""
+
+
+@dataclass(frozen=True, slots=True)
+class Meetings:
+    """Where rays meet sides, ordered by side, then ray.
+
+    Attributes
+    ----------
+    ray
+        ``(n,) int32``.
+    first
+        ``(sides + 1,) int64``: side k is met by ``first[k]:first[k + 1]``.
+    place
+        ``(n, 2) float32`` where, along the axes of the side, metres.
+    depth
+        ``(n,) float32`` how far behind the side the ray ends, metres, negative before it; for a ray that comes in
+        through the side how far behind it the scanner stands.
+    outbound
+        ``(n,) bool`` whether the scanner stands in front.
+    """
+
+    ray: I32
+    first: I64
+    place: F32
+    depth: F32
+    outbound: Bool
+
+    def of(self, side: int) -> slice:
+        """Where the meetings with a side are."""
+        return slice(int(self.first[side]), int(self.first[side + 1]))
+
+
+@dataclass(frozen=True, slots=True)
+class _Cells:
+    """Cell c has the sides ``members[first[c]:first[c + 1]]``; `low` is the grid's corner, `shape` its cells."""
+
+    low: F64
+    shape: I64
+    first: I64
+    members: I32
+
+
+class SideGrid:
+    """Sides, ready to be met by rays.
+
+    Parameters
+    ----------
+    sides
+        Plane rectangles.
+    surfaces
+        How close to each side points lie on it, metres; a ray goes through only if both its ends are farther away.
+    front_m, inset_m
+        Points this close before and behind a side are looked at.
+    """
+
+    def __init__(self, sides: Sequence[Side], surfaces: Sequence[float], *, front_m: float, inset_m: float) -> None:
+        count = len(sides)
+        self._planes = np.empty((count, 15), np.float32)
+        for row, side, surface_m in zip(self._planes, sides, surfaces, strict=True):
+            row[:4] = *side.normal, side.offset
+            row[4:10] = *side.u, *side.v
+            row[10:14] = side.bounds + np.array([-BORDER_M, -BORDER_M, BORDER_M, BORDER_M])
+            row[14] = surface_m
+        self._reach = np.float32(front_m), np.float32(inset_m)
+        pieces = [_pieces(side) for side in sides]
+        places = np.concatenate([np.zeros((0, 3)), *pieces])
+        number = np.repeat(np.arange(count), [len(piece) for piece in pieces])
+        self._path = _cells(places, number, BORDER_M)
+        self._near = _cells(places, number, BORDER_M + max(front_m, inset_m))
+
+    def ends(self, end: F32, start: F32, scan: I32) -> Meetings:
+        """Return the rays that end on a side, and those from its front that end a little before or behind it.
+
+        `end` are the ``(n, 3)`` measured points, `start` the ``(S, 3)`` scanners, `scan` is ``(n,)``.
+        """
+        ahead = self._ahead(start)
+        found = _find_ends(end, start, ahead, scan, self._planes, *_unpacked(self._near), *self._reach)
+        return _ordered(found, len(self._planes))
+
+    def crossings(self, end: F32, start: F32, scan: I32) -> Meetings:
+        """Return the rays that go through a side, from either side."""
+        found = _find_crossings(end, start, self._ahead(start), scan, self._planes, *_unpacked(self._path))
+        return _ordered(found, len(self._planes))
+
+    def _ahead(self, start: F32) -> F32:
+        """``(S, sides)`` distance of each scanner from each side."""
+        return np.asarray(start @ self._planes[:, :3].T - self._planes[:, 3], np.float32)
+
+
+def _ordered(found: tuple[I32, F32], count: int) -> Meetings:
+    numbers, values = found
+    side = numbers[:, 1].astype(np.uint16) if numbers[:, 1].max(initial=0) < 1 << 16 else numbers[:, 1]
+    order = np.argsort(side, kind="stable")  # linear in short integers
+    first = np.searchsorted(side[order], np.arange(count + 1, dtype=side.dtype))
+    return Meetings(numbers[order, 0], first, values[order, :2], values[order, 2], numbers[order, 2] == 0)
+
+
+def _pieces(side: Side) -> F64:
+    """``(n, 3)`` places spread over a side."""
+    u, v = (np.linspace(low, high, int(np.ceil((high - low) / PIECE_M)) + 1) for low, high in side.bounds.reshape(2, 2).T)
+    grid = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
+    return np.asarray(grid @ np.array([side.u, side.v]) + side.offset * side.normal, dtype=np.float64)
+
+
+def _cells(places: F64, number: I64, reach: float) -> _Cells:
+    """List for each cell the sides that have a place within reach of it."""
+    reach += PIECE_M / 2
+    low = places.min(axis=0, initial=0.0) - reach
+    shape = np.floor((places.max(axis=0, initial=0.0) + reach - low) / CELL_M).astype(np.int64) + 1
+    count = int(number.max(initial=0)) + 1
+    pairs = []
+    for corner in itertools.product((-1, 0, 1), repeat=3):
+        cell = np.floor((places + np.array(corner) * reach - low) / CELL_M).astype(np.int64)
+        pairs.append(np.unique(((cell[:, 0] * shape[1] + cell[:, 1]) * shape[2] + cell[:, 2]) * count + number))
+    cell_of, side_of = np.divmod(np.unique(np.concatenate(pairs)), count)
+    first = np.searchsorted(cell_of, np.arange(int(shape.prod()) + 1))
+    return _Cells(low, shape, first.astype(np.int64), side_of.astype(np.int32))
+
+
+def _unpacked(cells: _Cells) -> tuple[F64, I64, I64, I32]:
+    return cells.low, cells.shape, cells.first, cells.members
+
+
+@njit(cache=True)
+def _grown(numbers, values):  # type: ignore[no-untyped-def]
+    """Twice the room for what is found."""
+    more, also = np.empty((2 * len(numbers), 3), np.int32), np.empty((2 * len(values), 3), np.float32)
+    more[: len(numbers)], also[: len(values)] = numbers, values
+    return more, also
+
+
+@njit(cache=True)
+def _at(plane, x, y, z):  # type: ignore[no-untyped-def]
+    """Coordinates of a place along the axes of a side, and whether they lie in its bounds."""
+    u = plane[4] * x + plane[5] * y + plane[6] * z
+    v = plane[7] * x + plane[8] * y + plane[9] * z
+    return u, v, plane[10] <= u <= plane[12] and plane[11] <= v <= plane[13]
+
+
+@njit(cache=True)
+def _find_ends(end, start, ahead, scan, planes, low, shape, first, members, front_m, inset_m):  # type: ignore[no-untyped-def]
+    """Test each point with the sides near it; of one behind a side the place is where its ray goes through."""
+    numbers, values, count = np.empty((1024, 3), np.int32), np.empty((1024, 3), np.float32), 0
+    for ray in range(len(end)):
+        x, y, z = end[ray, 0], end[ray, 1], end[ray, 2]
+        i, j, k = int((x - low[0]) // CELL_M), int((y - low[1]) // CELL_M), int((z - low[2]) // CELL_M)
+        if i < 0 or j < 0 or k < 0 or i >= shape[0] or j >= shape[1] or k >= shape[2]:
+            continue
+        cell = (i * shape[1] + j) * shape[2] + k
+        for side in members[first[cell] : first[cell + 1]]:
+            plane = planes[side]
+            height = plane[0] * x + plane[1] * y + plane[2] * z - plane[3]
+            s = ahead[scan[ray], side]
+            if height < -inset_m or height >= front_m or (s <= plane[14] and abs(height) > plane[14]):
+                continue
+            if height < -plane[14]:
+                t = s / (s - height)
+                way = start[scan[ray]] + t * (end[ray] - start[scan[ray]])
+                x, y, z = way[0], way[1], way[2]
+            else:
+                x, y, z = end[ray, 0], end[ray, 1], end[ray, 2]
+            u, v, inside = _at(plane, x, y, z)
+            if inside:
+                if count == len(numbers):
+                    numbers, values = _grown(numbers, values)
+                numbers[count, 0], numbers[count, 1], numbers[count, 2] = ray, side, 0
+                values[count, 0], values[count, 1], values[count, 2] = u, v, -height
+                count += 1
+    return numbers[:count], values[:count]
+
+
+@njit(cache=True)
+def _find_crossings(end, start, ahead, scan, planes, low, shape, first, members):  # type: ignore[no-untyped-def]
+    """Walk every ray cell by cell (Amanatides and Woo 1987) and test the sides of each cell once."""
+    numbers, values, count = np.empty((1024, 3), np.int32), np.empty((1024, 3), np.float32), 0
+    tested = np.full(len(planes), -1, np.int64)
+    at, step, edge, stride = np.empty(3, np.int64), np.empty(3, np.int64), np.empty(3), np.empty(3)
+    for ray in range(len(end)):
+        here = start[scan[ray]]
+        left = _set_out(here, end[ray], low, at, step, edge, stride)
+        while True:
+            if 0 <= at[0] < shape[0] and 0 <= at[1] < shape[1] and 0 <= at[2] < shape[2]:
+                cell = (at[0] * shape[1] + at[1]) * shape[2] + at[2]
+                for side in members[first[cell] : first[cell + 1]]:
+                    if tested[side] == ray:
+                        continue
+                    tested[side] = ray
+                    plane, s = planes[side], ahead[scan[ray], side]
+                    e = plane[0] * end[ray, 0] + plane[1] * end[ray, 1] + plane[2] * end[ray, 2] - plane[3]
+                    if s * e >= 0.0 or abs(s) <= plane[14] or abs(e) <= plane[14]:
+                        continue
+                    t = s / (s - e)
+                    way = here + t * (end[ray] - here)
+                    u, v, inside = _at(plane, way[0], way[1], way[2])
+                    if inside:
+                        if count == len(numbers):
+                            numbers, values = _grown(numbers, values)
+                        numbers[count, 0], numbers[count, 1], numbers[count, 2] = ray, side, 1 if s < 0.0 else 0
+                        values[count, 0], values[count, 1], values[count, 2] = u, v, -s if s < 0.0 else -e
+                        count += 1
+            if left == 0:
+                break
+            left -= 1
+            k = 0 if edge[0] <= edge[1] and edge[0] <= edge[2] else 1 if edge[1] <= edge[2] else 2
+            at[k] += step[k]
+            edge[k] += stride[k]
+    return numbers[:count], values[:count]
+
+
+@njit(cache=True)
+def _set_out(here, there, low, at, step, edge, stride):  # type: ignore[no-untyped-def]
+    """Stand in the first cell of a ray: cell, direction, where the next cells begin; returns how many follow."""
+    left = 0
+    for k in range(3):
+        a, b = (here[k] - low[k]) / CELL_M, (there[k] - low[k]) / CELL_M
+        at[k] = int(np.floor(a))
+        left += abs(int(np.floor(b)) - at[k])
+        step[k] = 1 if b > a else -1
+        stride[k] = 1.0 / abs(b - a) if b != a else np.inf
+        edge[k] = (at[k] + 1 - a if b > a else a - at[k]) * stride[k] if b != a else np.inf
+    return left
