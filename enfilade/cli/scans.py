@@ -192,7 +192,7 @@ def _evaluate_one(ctx: click.Context, prediction: Path, truth: Path) -> Evaluati
 def _evaluate_many(prediction: Path, truth: Path, form: str, pictures: Path | None) -> int:
     """Print figures of all buildings and in total; return the exit status, 1 if any failed."""
     from enfilade.evaluate import evaluate_many, pair_folders, pool
-    from enfilade.evaluate.many import COLUMNS, pooled_figures, summary_rows
+    from enfilade.evaluate.many import COLUMNS, cause_rows, pooled_figures, summary_rows
     from enfilade.evaluate.tables import figure_rows
 
     folders = pair_folders(prediction, truth)
@@ -208,6 +208,7 @@ def _evaluate_many(prediction: Path, truth: Path, form: str, pictures: Path | No
         OUT.print_json(json.dumps({"buildings": records, "total": pool(records)}))
     else:
         print_table(COLUMNS, summary_rows(records))
+        print_table(("building", "commonest faults"), cause_rows(records))
         print_table(("in all", "value"), figure_rows(pooled_figures(records)))
     return 1 if any("error" in record for record in records.values()) else 0
 

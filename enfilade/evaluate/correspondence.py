@@ -104,8 +104,7 @@ def correspond(
         If the true cloud is empty, or the predicted one lies elsewhere; it says by how much it is shifted where it is
         the same building.
     """
-    near = _near(prediction.positions, truth.positions)
-    kept, found = nearest_by_cell(prediction.positions, near, truth.positions)
+    kept, found = nearest_by_cell(prediction.positions, truth.positions)
     covered = float((found >= 0).mean()) if len(kept) else 0.0
     if covered < LEAST_COVERED:
         _refuse(prediction.positions, truth.positions, covered)
@@ -134,35 +133,53 @@ def overlap(true: I32, predicted: I32) -> Overlap:
     return Overlap(_counts(true), _counts(predicted), both)
 
 
-def nearest_by_cell(prediction: F64, near: NDArray[np.intp], truth: F64) -> tuple[I64, I64]:
+def nearest_by_cell(prediction: F64, truth: F64) -> tuple[I64, I64]:
     """Return the first true point of each cell, and the nearest predicted point to it, -1 where none is in reach.
 
     Most true points have a predicted one in their own cell, and a walk along both sorted lists of cells finds the
     nearest there. The others look through the cells within reach, which lie in short runs of the sorted list.
-
-    Parameters
-    ----------
-    near
-        The predicted points to look among.
     """
     if len(truth) == 0:
         return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
-    low = truth.min(axis=0) - 2 * REACH_M
-    extent = np.floor((truth.max(axis=0) + 2 * REACH_M - low) / CELL_M).astype(np.int64) + 1
+    low = np.nanmin(truth, axis=0) - 2 * REACH_M
+    extent = np.floor((np.nanmax(truth, axis=0) + 2 * REACH_M - low) / CELL_M).astype(np.int64) + 1
     if extent.max() > _WIDEST_CELLS:
         raise InputError(f"The true cloud is {extent.max() * CELL_M / 1000:.0f} km wide; take away its stray points.")
-    true_keys, kept = np.unique(_keys(truth, low, extent), return_index=True)
-    predicted_keys = _keys(prediction[near], low, extent)
-    order = np.argsort(predicted_keys, kind="stable")
-    found = _nearest_in_cell(truth[kept], true_keys, prediction[near], predicted_keys[order], order)
+    keys, order = _sorted_keys(truth, low, extent)
+    starts = np.flatnonzero(np.diff(keys, prepend=-1))
+    kept, keys = np.minimum.reduceat(order, starts), keys[starts]
+    other_keys, other_order = _sorted_keys(prediction, low, extent)
+    points = truth[kept]
+    found = _nearest_in_cell(points, keys, prediction, other_keys, other_order)
     left = np.flatnonzero(found < 0)
-    _look_around(found, left, truth[kept], true_keys, prediction[near], predicted_keys[order], order, extent)
-    return kept.astype(np.int64), np.where(found >= 0, near[found] if len(near) else -1, -1)
+    _look_around(found, left, points, keys, prediction, other_keys, other_order, extent)
+    return kept, found
+
+
+def _sorted_keys(points: F64, low: F64, extent: I64) -> tuple[I64, I64]:
+    """Sorted numbers of the cells of the points that lie in the box, and which points these are."""
+    keys = _keys(points, low, extent)
+    order = np.argsort(keys)
+    order = order[np.searchsorted(keys, 0, sorter=order) :]
+    return keys[order], order.astype(np.int64, copy=False)
+
+
+@njit(cache=True)
+def _keys(points: F64, low: F64, extent: I64) -> I64:  # pragma: no cover
+    """``(N,)`` number of the cell of each point, -1 outside the box; neighbours along z have neighbouring numbers."""
+    keys = np.full(len(points), -1, dtype=np.int64)
+    for point in range(len(points)):
+        x = np.floor((points[point, 0] - low[0]) / CELL_M)
+        y = np.floor((points[point, 1] - low[1]) / CELL_M)
+        z = np.floor((points[point, 2] - low[2]) / CELL_M)
+        if 0 <= x < extent[0] and 0 <= y < extent[1] and 0 <= z < extent[2]:
+            keys[point] = (int(x) * extent[1] + int(y)) * extent[2] + int(z)
+    return keys
 
 
 @njit(cache=True)
 def _nearest_in_cell(points: F64, keys: I64, others: F64, other_keys: I64, order: I64) -> I64:  # pragma: no cover
-    """Nearest of the other points in the same cell; `other_keys` are sorted, `order` is where each one stands."""
+    """Nearest of the other points in the same cell, the first of equals; `order` is where each sorted key is from."""
     found = np.full(len(keys), -1, dtype=np.int64)
     place = 0
     for cell in range(len(keys)):
@@ -174,7 +191,7 @@ def _nearest_in_cell(points: F64, keys: I64, others: F64, other_keys: I64, order
             distance = 0.0
             for axis in range(3):
                 distance += (others[other, axis] - points[cell, axis]) ** 2
-            if distance < best:
+            if distance < best or (distance == best and other < found[cell]):
                 best, found[cell] = distance, other
             place += 1
     return found
@@ -197,23 +214,10 @@ def _look_around(
                     distance = 0.0
                     for axis in range(3):
                         distance += (others[other, axis] - points[cell, axis]) ** 2
-                    if distance <= best:
+                    nearer = distance < best or (distance == best and (found[cell] < 0 or other < found[cell]))
+                    if nearer:
                         best, found[cell] = distance, other
                     place += 1
-
-
-def _keys(points: F64, low: F64, extent: I64) -> I64:
-    cells = np.floor((points - low) / CELL_M).astype(np.int64)
-    keys: I64 = (cells[:, 0] * extent[1] + cells[:, 1]) * extent[2] + cells[:, 2]
-    return keys
-
-
-def _near(points: F64, others: F64) -> NDArray[np.intp]:
-    """Return the points within reach of the bounds of others."""
-    if len(others) == 0:
-        return np.empty(0, dtype=np.intp)
-    low, high = others.min(axis=0) - REACH_M, others.max(axis=0) + REACH_M
-    return np.flatnonzero(((points >= low) & (points <= high)).all(axis=1))
 
 
 def _refuse(prediction: F64, truth: F64, covered: float) -> None:

@@ -25,9 +25,9 @@ COLUMNS: Final = (
     "pairs F1",
     "objects",
     "ghosts",
-    "commonest faults",
 )
-_MOST_CAUSES: Final = 3
+"""Of `summary_rows`."""
+_MOST_CAUSES: Final = 6
 _TRUTH: Final = ".truth"
 _EXPORTED: Final = ".exported"
 
@@ -94,8 +94,24 @@ def pooled_figures(records: Mapping[str, Mapping[str, Any]]) -> AllFigures:
 
 def summary_rows(records: Mapping[str, Mapping[str, Any]]) -> list[tuple[Any, ...]]:
     """Return a row of `COLUMNS` a building, the worst first, and the total."""
-    ranked = sorted(records, key=lambda name: (_score(records[name]), name))
-    return [*(_row(name, records[name]) for name in ranked), _row("total", pool(records))]
+    return [*(_row(name, records[name]) for name in _ranked(records)), _row("total", pool(records))]
+
+
+def cause_rows(records: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, str]]:
+    """Return the commonest faults of each building that has any, or why there are no figures, in the same order."""
+    told = {name: records[name].get("error") or _causes(records[name]) for name in _ranked(records)}
+    return [(name, said) for name, said in told.items() if said]
+
+
+def _ranked(records: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    return sorted(records, key=lambda name: (_score(records[name]), name))
+
+
+def _causes(record: Mapping[str, Any]) -> str:
+    causes = list(record.get("causes", {}).items())
+    more = len(causes) - _MOST_CAUSES
+    said = "; ".join(f"{cause} ({count})" for cause, count in causes[:_MOST_CAUSES])
+    return said + (f"; and {more} sorts more" if more > 0 else "")
 
 
 def _buildings(folder: Path, suffix: str, other: str) -> dict[str, Path]:
@@ -123,10 +139,9 @@ def _score(record: Mapping[str, Any]) -> float:
 
 def _row(name: str, record: Mapping[str, Any]) -> tuple[Any, ...]:
     if record.get("error"):
-        return (name, *(None,) * (len(COLUMNS) - 2), record["error"])
+        return (name, *(None,) * (len(COLUMNS) - 1))
     figures = AllFigures.from_dict(record)
     rooms, openings = figures.rooms, figures.openings
-    causes = list(record.get("causes", {}).items())[:_MOST_CAUSES]
     return (
         name,
         (rooms.f1_at_50, rooms.f1_at_70),
@@ -139,5 +154,4 @@ def _row(name: str, record: Mapping[str, Any]) -> tuple[Any, ...]:
         figures.connectivity.f1,
         figures.objects.found,
         figures.objects.ghosts,
-        "; ".join(f"{count} {cause}" for cause, count in causes),
     )
