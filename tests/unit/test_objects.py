@@ -8,7 +8,7 @@ from enfilade.descriptors import TOTAL, Layout
 from enfilade.ingest.objects import ObjectParameters, find_objects
 from enfilade.ingest.objects.combinations import combine, find_near
 from enfilade.ingest.objects.segments import connect, without_outliers
-from enfilade.ingest.records import Opening, Segment
+from enfilade.ingest.records import Opening, Planes, Segment
 
 LAYOUT = Layout()
 
@@ -148,19 +148,122 @@ def test_lone_points_are_outliers():
     rng = np.random.default_rng(0)
     block = rng.uniform(0, 0.3, (800, 3))
     veil = np.column_stack([np.linspace(0.4, 3, 20), np.zeros(20), np.zeros(20)])
-    kept = without_outliers(np.concatenate([block, veil]), 8, 2.0)
+    kept = without_outliers(np.concatenate([block, veil]), ObjectParameters())
     assert kept[:800].mean() > 0.95
     assert not kept[803:].any()
+
+
+def test_what_is_sparse_is_no_outlier_where_all_else_is_dense():
+    rng = np.random.default_rng(0)
+    dense = rng.uniform(0, 0.3, (3000, 3))
+    sparse = np.stack(np.meshgrid(np.arange(2, 3, 0.06), np.arange(0, 1, 0.06), [0.7]), axis=-1).reshape(-1, 3)
+    assert without_outliers(np.concatenate([dense, sparse]), ObjectParameters())[3000:].all()
 
 
 def test_components_are_split_at_the_link_distance():
     rng = np.random.default_rng(0)
     block = rng.uniform(0, 0.3, (3000, 3))
-    parameters = ObjectParameters()
-    near = connect(np.concatenate([block, block + np.array([0.3 + 0.5 * parameters.link_m, 0, 0])]), parameters)
-    far = connect(np.concatenate([block, block + np.array([0.3 + 2 * parameters.link_m, 0, 0])]), parameters)
+    parameters, sparse = ObjectParameters(), np.zeros(6000, dtype=bool)
+    near = connect(np.concatenate([block, block + np.array([0.3 + 0.5 * parameters.link_m, 0, 0])]), sparse, parameters)
+    far = connect(np.concatenate([block, block + np.array([0.3 + 2 * parameters.link_m, 0, 0])]), sparse, parameters)
     assert [len(group) for group in near] == [6000]
     assert [len(group) for group in far] == [3000, 3000]
+
+
+def test_sparse_points_join_what_is_beside_them_and_link_nothing():
+    rng = np.random.default_rng(0)
+    block = rng.uniform(0, 0.3, (3000, 3))
+    bridge = np.column_stack([np.arange(0.3, 0.7, 0.02), np.full(20, 0.15), np.full(20, 0.15)])
+    points = np.concatenate([block, block + np.array([0.4, 0, 0]), bridge])
+    sparse = np.arange(len(points)) >= 6000
+    assert len(connect(points, np.zeros(len(points), dtype=bool), ObjectParameters())) == 1
+    groups = connect(points, sparse, ObjectParameters())
+    assert len(groups) == 2
+    assert sum(len(group) for group in groups) > 6000
+
+
+def test_a_chair_at_a_table_is_a_piece_of_its_own():
+    scene = furnished()
+    table(scene, 2.5, 0.3)
+    scene.block((2.9, 0.85, 0.0), (3.3, 1.25, 0.45), 0)
+    scene.block((2.9, 1.2, 0.45), (3.3, 1.25, 0.9), 0)
+    scene.scanners += [((3.7, 1.4, 1.6), 0)]
+    found, _ = objects_of(scene)
+    heights = sorted(segment.size[2] for segment in found.segments)
+    np.testing.assert_allclose(heights, [0.72, 0.87], atol=0.06)
+
+
+def test_a_night_table_as_high_as_the_bed_is_a_piece_of_its_own():
+    scene = furnished()
+    scene.block((0.5, 0.05, 0.0), (2.0, 2.05, 0.5), 0)
+    scene.block((2.0, 0.05, 0.0), (2.5, 0.55, 0.5), 0)
+    found, _ = objects_of(scene)
+    np.testing.assert_allclose(sorted(segment.size[0] for segment in found.segments), [0.5, 1.5], atol=0.12)
+
+
+def test_a_seat_and_its_back_and_arms_are_one_piece():
+    scene = furnished()
+    scene.block((1.0, 0.1, 0.0), (2.8, 0.9, 0.43), 0)
+    scene.block((1.0, 0.1, 0.43), (2.8, 0.32, 0.8), 0)
+    for x in (1.0, 2.62):
+        scene.block((x, 0.1, 0.43), (x + 0.18, 0.9, 0.6), 0)
+    assert len(objects_of(scene)[0].segments) == 1
+
+
+def test_a_thing_on_a_table_is_a_piece_of_its_own():
+    scene = furnished()
+    table(scene, 2.5, 0.3)
+    scene.block((3.0, 0.6, 0.74), (3.3, 0.85, 1.1), 0)
+    scene.scanners += [((0.7, 0.5, 1.6), 0), ((3.5, 3.0, 1.6), 0)]
+    found, _ = objects_of(scene)
+    thing = max(found.segments, key=lambda segment: segment.floor_offset)
+    assert len(found.segments) == 2
+    assert thing.floor_offset == pytest.approx(0.76, abs=0.04)
+    np.testing.assert_allclose(thing.size, [0.3, 0.25, 0.35], atol=0.06)
+
+
+def test_a_row_of_kitchen_units_is_cut_in_modules_that_make_a_unit_again():
+    scene = furnished()
+    scene.block((0.5, 0.02, 0.0), (3.5, 0.6, 0.86), 0, plane=True)
+    found, _ = objects_of(scene)
+    widths = [segment.size[0] for segment in found.segments if segment.size[2] > 0.5]
+    np.testing.assert_allclose(widths, 0.6, atol=0.05)
+    assert len(widths) == 5
+    assert max(len(combination.segments) for combination in found.combinations) == 3
+
+
+def test_a_cupboard_built_into_a_wall_is_an_object_and_a_door_there_is_none():
+    cupboard, leaf = (BoxScene(), BoxScene())
+    for scene, width in ((cupboard, 1.6), (leaf, 0.9)):
+        hole = ((1.0, 0.0), (1.0 + width, 2.0))
+        scene.room(0, (0, 0, 0), (4, 4, 2.5), holes={"x1": [hole]})
+        scene.scanners = [((2.0, 2.0, 1.6), 0)]
+        scene.add(0, 4.02, *hole, -1, 0)
+    assert len(_as_one_plane(cupboard).segments) == 1
+    assert len(_as_one_plane(leaf).segments) == 0
+
+
+def _as_one_plane(scene):
+    """Objects where the plane at x = 4.02 is taken for part of the wall, as by growing."""
+    cloud, surfels, planes, labels, rooms = scene.scan()
+    wall, front = (int(np.argmin(np.abs(planes.offsets + at) + (planes.normals[:, 0] > -1))) for at in (4.0, 4.02))
+    surfel_plane = np.where(planes.surfel_plane == front, wall, planes.surfel_plane).astype(np.int32)
+    grown = Planes(planes.normals, planes.offsets, surfel_plane, ())
+    return find_objects(cloud, surfels, grown, labels, rooms, layout=LAYOUT)
+
+
+def test_a_board_on_a_wall_is_an_object_and_a_skirting_board_is_none():
+    board, skirting = furnished(), furnished()
+    board.block((3.97, 1.0, 1.0), (3.99, 2.5, 2.0), 0)
+    skirting.block((3.97, 0.5, 0.05), (3.99, 3.5, 0.15), 0)
+    assert len(objects_of(board)[0].segments) == 1
+    assert len(objects_of(skirting)[0].segments) == 0
+
+
+def test_a_railing_is_no_object():
+    scene = furnished()
+    scene.block((1.0, 3.0, 0.0), (3.5, 3.1, 1.0), 0, plane=True)
+    assert objects_of(scene)[0].segments == ()
 
 
 def test_a_stair_is_no_object():

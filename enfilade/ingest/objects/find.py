@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from typing import Final
 
 import numpy as np
-import shapely
+from numpy.typing import NDArray
 
 from enfilade.descriptors import DEFAULT_LAYOUT, Layout
+from enfilade.ingest.objects.belonging import rooms_of_points
 from enfilade.ingest.objects.combinations import combine, describe_all, find_near
+from enfilade.ingest.objects.masks import standing_off
 from enfilade.ingest.objects.parameters import ObjectParameters
-from enfilade.ingest.objects.segments import connect, without_outliers
-from enfilade.ingest.objects.structure import Structure, find_structure, in_openings, on_structure
+from enfilade.ingest.objects.remains import Remains
+from enfilade.ingest.objects.segments import connect
+from enfilade.ingest.objects.structure import Structure, find_structure, in_openings
+from enfilade.ingest.objects.terraces import cut_bays, cut_row, split
 from enfilade.ingest.records import (
     F64,
     I32,
@@ -27,9 +30,9 @@ from enfilade.ingest.records import (
     Surfels,
     ThinnedCloud,
 )
+from enfilade.ingest.sides import Side
 
-OUTSIDE_M: Final = 0.1
-"""A segment may stand so far out of the room's outline."""
+I64 = NDArray[np.int64]
 
 
 def find_objects(
@@ -66,8 +69,9 @@ def find_objects(
     chosen = parameters if parameters is not None else ObjectParameters()
     known = {room.number: room for room in rooms}
     structure = find_structure(surfels, planes, labels, known, chosen)
-    loose = np.flatnonzero(_loose(cloud, surfels, planes, structure, chosen)).astype(np.int32)
-    loose_in = _by_room(labels.after[surfels.point_surfel[loose]], loose)
+    loose = np.flatnonzero(_loose(cloud, surfels, structure, chosen)).astype(np.int32)
+    point_room = rooms_of_points(cloud, surfels, labels, known, reach_m=chosen.room_reach_m)
+    loose_in = _by_room(point_room[loose], loose)
     opening_in: defaultdict[int | None, list[Opening]] = defaultdict(list)
     for opening in openings:
         opening_in[opening.room_a].append(opening)
@@ -83,17 +87,14 @@ def find_objects(
     return Objects(tuple(segments), described, tuple(near))
 
 
-def _loose(
-    cloud: ThinnedCloud, surfels: Surfels, planes: Planes, structure: Structure, parameters: ObjectParameters
-) -> Bool:
-    """``(N,)``: points on no plane of the structure and on no veil, a surface that rays met at a sharp angle."""
+def _loose(cloud: ThinnedCloud, surfels: Surfels, structure: Structure, parameters: ObjectParameters) -> Bool:
+    """``(N,)``: points not of the structure nor of a veil, a surface that rays met at a sharp angle."""
     ray = surfels.positions - cloud.scanner_positions[surfels.scan]
     ray /= np.maximum(np.linalg.norm(ray, axis=1, keepdims=True), 1e-6)
     incidence = np.abs(np.einsum("ij,ij->i", ray, surfels.normals))
     has_normal = np.abs(surfels.normals).sum(axis=1) > 0.5
     veil = has_normal & (incidence < np.sin(np.radians(parameters.min_incidence_deg)))
-    fixed = np.append(structure.planes, False)[planes.surfel_plane]
-    usable = np.append(~veil & ~fixed, False)
+    usable = np.append(~veil & ~structure.surfels, True)
     return np.asarray(usable[surfels.point_surfel], dtype=np.bool_)
 
 
@@ -115,24 +116,39 @@ def _groups(
 ) -> Iterator[I32]:
     """Split the loose points of a room into those of its segments."""
     positions = cloud.positions[members].astype(np.float64)
-    fixed = on_structure(positions, structure, room, surfels, parameters) | in_openings(positions, openings, parameters)
-    members, positions = members[~fixed], positions[~fixed]
-    kept = without_outliers(positions, parameters.outlier_neighbours, parameters.outlier_deviations)
-    members, positions = members[kept], positions[kept]
-    for group in connect(positions, parameters):
-        if _inside(positions[group], room):
-            yield members[group]
+    remains = Remains(room, structure.flights, parameters)
+    surfel = surfels.point_surfel[members]
+    sides = _with_depth(structure, room, parameters)
+    off = standing_off(positions, surfel < 0, sides, surfels, parameters.max_relief_m)
+    fixed = (off < parameters.clearance_m) & ~np.append(structure.boards, False)[surfel]
+    for level in (room.floor_elevation, room.ceiling_elevation):
+        if level is not None:
+            fixed |= np.abs(positions[:, 2] - level) < parameters.clearance_m
+    fixed |= in_openings(positions, openings, parameters) | remains.on_stairs(positions)
+    members, positions, off = members[~fixed], positions[~fixed], off[~fixed]
+    for group in connect(positions, surfel[~fixed] < 0, parameters):
+        if not remains.is_remain(positions[group], off[group]):
+            yield from (members[group[piece]] for piece in _pieces(positions[group], parameters))
+
+
+def _pieces(positions: F64, parameters: ObjectParameters) -> Iterator[I64]:
+    """Split what hangs together into pieces of furniture; scraps stay with the largest piece."""
+    piece = split(positions, parameters)
+    counts = np.bincount(piece)
+    scrap = counts < parameters.min_voxels
+    piece[scrap[piece]] = counts.argmax()
+    for number in np.unique(piece):
+        own = np.flatnonzero(piece == number)
+        for part in cut_bays(positions[own], parameters):
+            yield from (own[part[module]] for module in cut_row(positions[own[part]], parameters))
+
+
+def _with_depth(structure: Structure, room: Room, parameters: ObjectParameters) -> list[tuple[Side, float]]:
+    """List the sides of a room that are structure, each with how far behind it things are part of it."""
+    sides = structure.sides.get(room.number, ())
+    return [(side, parameters.max_reveal_m if side.vertical else parameters.clearance_m) for side in sides]
 
 
 def _segment(number: int, room: Room, members: I32, positions: F64) -> Segment:
     floor_offset = float(positions[:, 2].min()) - room.floor_elevation
     return Segment(number, room.number, members, np.ptp(positions, axis=0), positions.mean(axis=0), floor_offset)
-
-
-def _inside(positions: F64, room: Room) -> bool:
-    """Whether at least half of the points lie in the room's outline; what is outside was seen through a window."""
-    if not room.outline:
-        return True
-    outline = shapely.Polygon(room.outline[0]).buffer(OUTSIDE_M)
-    some = positions[:: max(len(positions) // 200, 1)]
-    return bool(shapely.contains_xy(outline, some[:, 0], some[:, 1]).mean() >= 0.5)

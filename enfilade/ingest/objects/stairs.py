@@ -1,47 +1,109 @@
-"""Treads of stairs: small level sides that climb in even steps. They are structure, not furniture."""
+"""Stairs: level patches that climb in even steps, in whatever rooms. They are structure, not furniture."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+import shapely
+from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from enfilade.ingest.records import Surfels
-from enfilade.ingest.sides import Side
+from enfilade.ingest.records import F64, Bool, Surfels
+
+I64 = NDArray[np.int64]
 
 RISE_M: Final = (0.12, 0.23)
-GOING_M: Final = (0.12, 0.55)
+GOING_M: Final = (0.15, 0.45)
 LEAST_TREADS: Final = 4
+LINK_M: Final = 0.09
+LEVEL_M: Final = 0.025
+LEAST_SURFELS: Final = 5
+WIDTH_M: Final = (0.5, 4.0)
+"""Treads are wide, and none is as large as a landing."""
 
 
-def find_treads(sides: Sequence[Side], surfels: Surfels) -> list[Side]:
-    """Find the sides of a room that are treads of a stair.
+@dataclass(frozen=True, slots=True)
+class Flight:
+    """A flight of stairs.
+
+    Attributes
+    ----------
+    treads
+        ``(k, 3)`` their centres, metres, from the lowest.
+    plan
+        What they cover, seen from above.
+    """
+
+    treads: F64
+    plan: shapely.Geometry
+
+    def near(self, points: F64, beside_m: float, below_m: float, above_m: float) -> Bool:
+        """``(n,) bool``: which points lie over or under the flight, or beside it, by so much at most."""
+        found = np.zeros(len(points), dtype=bool)
+        low, high = self.treads[0, 2] - below_m, self.treads[-1, 2] + above_m
+        level = np.flatnonzero((points[:, 2] > low) & (points[:, 2] < high))
+        around = shapely.buffer(self.plan, beside_m)
+        shapely.prepare(around)
+        level = level[shapely.contains_xy(around, points[level, 0], points[level, 1])]
+        if len(level):
+            tread = cKDTree(self.treads[:, :2]).query(points[level, :2])[1]
+            rise = points[level, 2] - self.treads[tread, 2]
+            found[level] = (rise > -below_m) & (rise < above_m)
+        return found
+
+
+def find_flights(surfels: Surfels, loose: Bool) -> list[Flight]:
+    """Find the flights of stairs of a building.
 
     Parameters
     ----------
-    sides
-        Of one room.
     surfels
-        Those that the sides index.
+        All of them.
+    loose
+        ``(M,) bool``, those on no wall, floor or ceiling.
 
     Returns
     -------
-    Level sides that look up and follow one another, each a step higher and a step further, four or more.
+    Runs of level patches that follow one another, each a step higher and a step further, four or more.
     """
-    level = [side for side in sides if side.horizontal and side.normal[2] > 0]
-    if len(level) < LEAST_TREADS:
+    level = np.flatnonzero(loose & (surfels.normals[:, 2] > 0.9))
+    patches = _level_patches(surfels.positions[level].astype(np.float64))
+    if len(patches) < LEAST_TREADS:
         return []
-    centres = np.array([surfels.positions[side.surfels].mean(axis=0, dtype=np.float64) for side in level])
+    centres = np.array([patch.mean(axis=0) for patch in patches])
     pairs = cKDTree(centres).query_pairs(float(np.hypot(RISE_M[1], GOING_M[1])), output_type="ndarray")
     apart = np.abs(centres[pairs[:, 0]] - centres[pairs[:, 1]])
     going = np.hypot(apart[:, 0], apart[:, 1])
     step = (apart[:, 2] > RISE_M[0]) & (apart[:, 2] < RISE_M[1]) & (going > GOING_M[0]) & (going < GOING_M[1])
-    a, b = pairs[step].T
-    graph = coo_array((np.ones(len(a), dtype=bool), (a, b)), shape=(len(level), len(level)))
-    _, flight = connected_components(graph, directed=False)
-    long_enough = np.bincount(flight)[flight] >= LEAST_TREADS
-    return [side for side, kept in zip(level, long_enough, strict=True) if kept]
+    return [_flight([patches[i] for i in run]) for run in _connected(pairs[step], len(patches), LEAST_TREADS)]
+
+
+def _level_patches(positions: F64) -> list[F64]:
+    """Points of level patches of the size of a tread."""
+    if not len(positions):
+        return []
+    pairs = cKDTree(positions).query_pairs(LINK_M, output_type="ndarray")
+    pairs = pairs[np.abs(positions[pairs[:, 0], 2] - positions[pairs[:, 1], 2]) < LEVEL_M]
+    groups = [positions[members] for members in _connected(pairs, len(positions), LEAST_SURFELS)]
+    return [group for group in groups if WIDTH_M[0] < np.hypot(*np.ptp(group[:, :2], axis=0)) < WIDTH_M[1]]
+
+
+def _connected(pairs: I64, count: int, least: int) -> list[I64]:
+    """Members of the connected groups of at least so many."""
+    a, b = pairs.T
+    graph = coo_array((np.ones(len(a), dtype=bool), (a, b)), shape=(count, count))
+    _, group = connected_components(graph, directed=False)
+    order = np.argsort(group, kind="stable")
+    groups = np.split(order, np.cumsum(np.bincount(group))[:-1])
+    return [members for members in groups if len(members) >= least]
+
+
+def _flight(treads: Sequence[F64]) -> Flight:
+    centres = np.array([tread.mean(axis=0) for tread in treads])
+    plan = shapely.union_all([shapely.MultiPoint(tread[:, :2]).convex_hull for tread in treads])
+    return Flight(centres[np.argsort(centres[:, 2], kind="stable")], shapely.buffer(plan, LINK_M))

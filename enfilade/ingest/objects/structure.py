@@ -1,48 +1,53 @@
-"""Which points are structure: walls, floors, ceilings and the reveals of their holes (§6.1).
+"""Which surfels are structure: walls, floors, ceilings, slopes and stairs (§6.1).
 
-The paper takes away all points on planes, and with them table tops and cupboard fronts. Here a plane is structure
-only if it is a wall that reaches the ceiling, a floor, a ceiling, or a large slope.
+The paper takes away all points on planes, and with them table tops and cupboard fronts. Here a side is structure
+only if it is a wall that reaches the ceiling or stands on the room's outline, a floor, a ceiling, or a large slope.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Final
 
 import numpy as np
+import shapely
 from scipy import ndimage
 
+from enfilade.ingest.objects.masks import CELL_M, Mask
 from enfilade.ingest.objects.parameters import ObjectParameters
-from enfilade.ingest.objects.stairs import find_treads
+from enfilade.ingest.objects.relief import find_boards
+from enfilade.ingest.objects.stairs import Flight, find_flights
 from enfilade.ingest.records import F64, I32, Bool, Opening, Planes, Room, RoomLabels, Surfels
 from enfilade.ingest.sides import Side, axes, cut_by_room, join_patches
 
-MASK_CELL_M: Final = 0.1
 AREA_CELL_M: Final = 0.1
-FRAME_M: Final = 0.06
-"""Width of the frame around the clear opening."""
 PLAN_CELL_M: Final = 0.25
+ALONG: Final = 0.7
+"""Share of a side that must lie along the outline, or behind which there must be a wall."""
 
 
 @dataclass(frozen=True, slots=True)
 class Structure:
-    """Planes that are structure, and the sides of each room that lie on such.
+    """Surfels that are structure, the sides of each room that they lie on, and the stairs.
 
     Attributes
     ----------
-    planes
-        ``(P,) bool``.
+    surfels
+        ``(M,) bool``.
+    boards
+        ``(M,) bool``, what is fixed flat to a wall, or built into it, and is none.
     sides
         By room: walls, floors, ceilings, slopes.
-    treads
-        By room: steps of stairs.
+    flights
+        Of the building.
     """
 
-    planes: Bool
+    surfels: Bool
+    boards: Bool
     sides: Mapping[int, tuple[Side, ...]]
-    treads: Mapping[int, tuple[Side, ...]]
+    flights: Sequence[Flight]
 
 
 def find_structure(
@@ -52,7 +57,7 @@ def find_structure(
     rooms: Mapping[int, Room],
     parameters: ObjectParameters,
 ) -> Structure:
-    """Tell walls, floors, ceilings and slopes from the planes of furniture.
+    """Tell walls, floors, ceilings, slopes and stairs from furniture.
 
     Parameters
     ----------
@@ -65,58 +70,27 @@ def find_structure(
 
     Returns
     -------
-    A plane that is structure in one room is so in all.
+    A scrap of a plane too small to be a side is structure where the plane is structure in another room.
     """
     patches = [p for p in cut_by_room(surfels, planes, labels, parameters.min_side_surfels) if p.room in rooms]
     sides = join_patches(
         patches, surfels, max_angle_deg=parameters.join_angle_deg, max_offset_m=parameters.join_offset_m
     )
-    is_structure = np.zeros(len(planes.offsets), dtype=bool)
+    fixed, boards, in_side = np.zeros((3, len(surfels.positions)), dtype=bool)
+    plane_fixed = np.zeros(len(planes.offsets) + 1, dtype=bool)
     kept: dict[int, tuple[Side, ...]] = {}
-    steps: dict[int, tuple[Side, ...]] = {}
-    for number, own in groupby(sides, key=lambda side: side.room):
-        room, all_sides = rooms[number], list(own)
-        level = [side for side in all_sides if not side.vertical and _is_level(side, room, surfels, parameters)]
-        ceiling = _CeilingMap([side for side in level if side.normal[2] < 0], room, surfels)
-        walls = [side for side in all_sides if side.vertical and _reaches_ceiling(side, ceiling, surfels, parameters)]
-        kept[number] = (*level, *walls)
-        steps[number] = tuple(find_treads(all_sides, surfels))
-        for side in (*kept[number], *steps[number]):
-            is_structure[list(side.planes)] = True
-    return Structure(is_structure, kept, steps)
-
-
-def on_structure(points: F64, structure: Structure, room: Room, surfels: Surfels, parameters: ObjectParameters) -> Bool:
-    """Tell which points of a room lie on its structure, in the reveal of a door or window, or right under a tread.
-
-    Parameters
-    ----------
-    points
-        ``(n, 3)`` metres.
-    structure
-        Of all rooms.
-    room
-        The room.
-    surfels
-        Those that the sides index.
-    parameters
-        Clearance and depth of reveals.
-
-    Returns
-    -------
-    ``(n,) bool``.
-    """
-    on = np.abs(points[:, 2] - room.floor_elevation) < parameters.clearance_m
-    depths = [
-        (side, parameters.max_reveal_m if side.vertical else parameters.clearance_m)
-        for side in structure.sides.get(room.number, ())
-    ]
-    depths += [(tread, parameters.max_riser_m) for tread in structure.treads.get(room.number, ())]
-    for side, behind in depths:
-        depth = points @ side.normal - side.offset
-        close = np.flatnonzero((depth < parameters.clearance_m) & (depth > -behind) & ~on)
-        on[close] = _Mask(side, surfels).covers(points[close])
-    return on
+    for number, of_room in groupby(sides, key=lambda side: side.room):
+        seen = list(of_room)
+        kept[number], own = _sides_of_structure(seen, rooms[number], surfels, parameters)
+        for side in seen:
+            in_side[side.surfels] = True
+        for side in kept[number]:
+            fixed[side.surfels] = True
+            plane_fixed[list(side.planes)] = True
+        fixed[own] = False
+        boards[own] = True
+    fixed |= ~in_side & plane_fixed[planes.surfel_plane]
+    return Structure(fixed, boards, kept, find_flights(surfels, ~fixed))
 
 
 def in_openings(points: F64, openings: Iterable[Opening], parameters: ObjectParameters) -> Bool:
@@ -129,7 +103,7 @@ def in_openings(points: F64, openings: Iterable[Opening], parameters: ObjectPara
     openings
         Of the room that the points belong to; those in slabs are left out.
     parameters
-        Depth of reveals.
+        Depth of reveals and width of frames.
 
     Returns
     -------
@@ -140,13 +114,31 @@ def in_openings(points: F64, openings: Iterable[Opening], parameters: ObjectPara
         if opening.orientation == "horizontal":
             u, v = axes(opening.normal)
             apart = points - opening.position
-            half = np.array([opening.width, opening.height]) / 2 + FRAME_M
+            half = np.array([opening.width, opening.height]) / 2 + parameters.frame_m
             across = (np.abs(apart @ np.column_stack([u, v])) < half).all(axis=1)
             depth = apart @ opening.normal
-            before = parameters.clearance_m if opening.room_b is None else parameters.max_reveal_m / 2
+            before = parameters.frame_m if opening.room_b is None else parameters.max_reveal_m / 2
             behind = parameters.max_reveal_m if opening.room_b is None else parameters.max_reveal_m / 2
             inside |= across & (depth < before) & (depth > -behind)
     return inside
+
+
+def _sides_of_structure(
+    sides: list[Side], room: Room, surfels: Surfels, parameters: ObjectParameters
+) -> tuple[tuple[Side, ...], I32]:
+    """Return the sides of one room that are structure, and those of their surfels that stand off a wall."""
+    level = [side for side in sides if not side.vertical and _is_level(side, room, surfels, parameters)]
+    ceiling = _CeilingMap([side for side in level if side.normal[2] < 0], room, surfels)
+    upright = [side for side in sides if side.vertical]
+    tall = [_reaches_ceiling(side, ceiling, surfels, parameters) for side in upright]
+    walls = [side for side, reaches in zip(upright, tall, strict=True) if reaches]
+    others = [side for side, reaches in zip(upright, tall, strict=True) if not reaches]
+    outline = shapely.Polygon(room.outline[0], room.outline[1:]).boundary if room.outline else None
+    if outline is not None:
+        walls += [side for side in others if _is_parapet(side, outline, walls, surfels, parameters)]
+    boards = [np.zeros(0, dtype=np.int32)]
+    boards += [side.surfels[find_boards(side, ceiling.below(side, surfels), surfels, parameters)] for side in walls]
+    return (*level, *walls), np.concatenate(boards)
 
 
 class _CeilingMap:
@@ -168,10 +160,12 @@ class _CeilingMap:
         cells = np.floor((places[:, :2] - self._corner) / PLAN_CELL_M).astype(np.int32)
         return np.clip(cells, 0, self._shape - 1).astype(np.int32)
 
-    def above(self, places: F64) -> F64:
-        """``(n,)`` heights over places, none above the room's own ceiling."""
-        cells = self._cells(places)
-        return np.asarray(np.minimum(self._height[cells[:, 0], cells[:, 1]], self._top), dtype=np.float64)
+    def below(self, side: Side, surfels: Surfels) -> F64:
+        """``(n,)`` how far the surfels of a wall lie below the ceiling before it, nowhere above the room's own."""
+        positions = surfels.positions[side.surfels].astype(np.float64)
+        cells = self._cells(positions + 0.1 * side.normal)
+        height = np.minimum(self._height[cells[:, 0], cells[:, 1]], self._top)
+        return np.asarray(height - positions[:, 2], dtype=np.float64)
 
 
 def _is_level(side: Side, room: Room, surfels: Surfels, parameters: ObjectParameters) -> bool:
@@ -191,34 +185,25 @@ def _is_level(side: Side, room: Room, surfels: Surfels, parameters: ObjectParame
 def _reaches_ceiling(side: Side, ceiling: _CeilingMap, surfels: Surfels, parameters: ObjectParameters) -> bool:
     """Whether at least a third of a wall's columns end at the ceiling."""
     positions = surfels.positions[side.surfels].astype(np.float64)
-    column = np.floor((positions @ side.u - side.bounds[0]) / MASK_CELL_M).astype(int)
-    short = ceiling.above(positions + 0.1 * side.normal) - positions[:, 2]
+    column = np.floor((positions @ side.u - side.bounds[0]) / CELL_M).astype(int)
     least = np.full(column.max() + 1, np.inf)
-    np.minimum.at(least, column, short)
+    np.minimum.at(least, column, ceiling.below(side, surfels))
     seen = np.isfinite(least)
     return bool((least[seen] < parameters.ceiling_reach_m).mean() > 1 / 3)
 
 
-class _Mask:
-    """The cells that a side covers, and one cell around: the reveals of its holes lie there."""
-
-    def __init__(self, side: Side, surfels: Surfels) -> None:
-        self._frame = np.column_stack([side.u, side.v])
-        self._corner = side.bounds[:2] - 2 * MASK_CELL_M
-        self._shape = np.ceil((side.bounds[2:] - self._corner) / MASK_CELL_M).astype(int) + 2
-        cells = np.zeros(tuple(self._shape), dtype=bool)
-        found = self._cells(surfels.positions[side.surfels].astype(np.float64))
-        cells[found[:, 0], found[:, 1]] = True
-        square = np.ones((3, 3), dtype=bool)
-        cells = np.asarray(ndimage.binary_closing(cells, square), dtype=np.bool_)
-        self._covered: Bool = np.asarray(ndimage.binary_dilation(cells, square), dtype=np.bool_)
-
-    def _cells(self, places: F64) -> I32:
-        return np.floor((places @ self._frame - self._corner) / MASK_CELL_M).astype(np.int32)
-
-    def covers(self, places: F64) -> Bool:
-        """``(n,) bool``: which places lie in front of, on or behind the side."""
-        cells = self._cells(places)
-        inside: Bool = np.all((cells >= 0) & (cells < self._shape), axis=1)
-        cells = np.where(inside[:, None], cells, 0)
-        return np.asarray(inside & self._covered[cells[:, 0], cells[:, 1]], dtype=np.bool_)
+def _is_parapet(
+    side: Side, outline: shapely.Geometry, walls: Iterable[Side], surfels: Surfels, parameters: ObjectParameters
+) -> bool:
+    """Whether a side runs along the room's outline with no wall close behind it, as below a wide window."""
+    positions = surfels.positions[side.surfels].astype(np.float64)
+    along = shapely.distance(outline, shapely.points(positions[:, :2])) < parameters.outline_reach_m
+    if along.mean() < ALONG:
+        return False
+    behind = np.zeros(len(positions), dtype=bool)
+    for wall in walls:
+        depth = positions @ wall.normal - wall.offset
+        before = np.flatnonzero((depth > 0) & (depth < 2 * parameters.outline_reach_m) & ~behind)
+        if wall.normal @ side.normal > ALONG and len(before):
+            behind[before] = Mask(wall, surfels).covers(positions[before])
+    return bool(behind.mean() < ALONG)

@@ -1,0 +1,128 @@
+"""What is left of structure when its planes are gone: such segments are no objects."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import shapely
+
+from enfilade.ingest.objects.parameters import ObjectParameters
+from enfilade.ingest.objects.stairs import Flight
+from enfilade.ingest.records import F64, Bool, Room
+
+CELL_M: Final = 0.05
+MOST: Final = 0.8
+"""A segment is what this share of its points are."""
+
+
+@dataclass(frozen=True, slots=True)
+class Remains:
+    """Tells what is left of one room's structure.
+
+    Attributes
+    ----------
+    room
+        The room.
+    flights
+        Stairs of the building.
+    parameters
+        Sizes.
+    """
+
+    room: Room
+    flights: Sequence[Flight]
+    parameters: ObjectParameters
+
+    def on_stairs(self, points: F64) -> Bool:
+        """``(n,) bool``: which points belong to a stair, from its underside to its handrail."""
+        found = np.zeros(len(points), dtype=bool)
+        for flight in self.flights:
+            found |= flight.near(points, 0.0, self.parameters.max_riser_m, self.parameters.handrail_m)
+        return found
+
+    def is_remain(self, points: F64, standing_off: F64) -> bool:
+        """Whether a segment is a remain of walls, floor, ceiling or stairs, or lies outside the room.
+
+        Parameters
+        ----------
+        points
+            ``(n, 3)`` metres.
+        standing_off
+            ``(n,)`` how far they stand off the nearest side.
+        """
+        return (
+            self._clings(points, standing_off)
+            or not self._inside(points)
+            or self._in_well(points)
+            or self._beside_stairs(points)
+            or self._is_railing(points)
+            or self._is_line(points)
+            or self._is_soffit(points)
+        )
+
+    def _clings(self, points: F64, standing_off: F64) -> bool:
+        """Whether it keeps close to the structure and is not as compact and large as a board on a wall."""
+        close = standing_off < self.parameters.max_relief_m
+        if self.room.outline:
+            edge = shapely.Polygon(self.room.outline[0], self.room.outline[1:]).boundary
+            close |= shapely.dwithin(edge, shapely.points(points[:, :2]), self.parameters.outline_reach_m)
+        return bool(close.mean() >= MOST) and not self._is_board(points)
+
+    def _is_board(self, points: F64) -> bool:
+        """Whether points fill an upright rectangle that is as large as furniture."""
+        place = np.column_stack([_along(points)[:, 0], points[:, 2]])
+        cells = np.unique(np.floor((place - place.min(axis=0)) / CELL_M), axis=0)
+        extent = np.ptp(place, axis=0)
+        filled = len(cells) * CELL_M**2 / max(float(np.prod(extent + CELL_M)), CELL_M**2)
+        return bool(extent.min() >= self.parameters.min_board_m and filled >= self.parameters.min_fill)
+
+    def _is_railing(self, points: F64) -> bool:
+        """Whether it is a long thin thing that stands on the floor, or on less: a railing, a parapet, a low wall."""
+        length, thickness = np.ptp(np.quantile(_along(points), (0.02, 0.98), axis=0), axis=0)
+        bottom, top = np.quantile(points[:, 2], (0.02, 0.98)) - self.room.floor_elevation
+        low = bottom < 2 * self.parameters.floor_reach_m and top < self.parameters.handrail_m
+        return bool(low and length > self.parameters.min_railing_m and thickness < self.parameters.max_railing_m)
+
+    def _is_line(self, points: F64) -> bool:
+        """Whether it is a mere line: the edge of something that was seen along its face."""
+        place = (points - points.mean(axis=0)) @ np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2].T
+        return bool(np.ptp(place[:, 1]) < self.parameters.link_m)
+
+    def _is_soffit(self, points: F64) -> bool:
+        """Whether it is a flat piece overhead that is not upright: a strip of a roof, a boxed-in duct."""
+        if float(points[:, 2].min()) < self.room.floor_elevation + self.parameters.min_soffit_m:
+            return False
+        centred = points - points.mean(axis=0)
+        values, axes = np.linalg.eigh(centred.T @ centred / len(points))
+        return bool(values[0] < self.parameters.clearance_m**2 and abs(axes[2, 0]) > 0.3)
+
+    def _in_well(self, points: F64) -> bool:
+        """Whether it reaches so far below the floor that it can only hang in a stair well."""
+        return float(points[:, 2].min()) < self.room.floor_elevation - self.parameters.max_sunk_m
+
+    def _inside(self, points: F64) -> bool:
+        """Whether most of the points lie in the room's outline; what is outside was seen through a window."""
+        if not self.room.outline:
+            return True
+        outline = shapely.Polygon(self.room.outline[0]).buffer(self.parameters.outline_reach_m)
+        some = points[:: max(len(points) // 200, 1)]
+        return bool(shapely.contains_xy(outline, some[:, 0], some[:, 1]).mean() >= 0.5)
+
+    def _beside_stairs(self, points: F64) -> bool:
+        """Whether most of the points lie so close to a flight that they are its strings, rails and balusters."""
+        near: Iterable[Bool] = (
+            flight.near(
+                points, self.parameters.outline_reach_m, self.parameters.max_riser_m, self.parameters.handrail_m
+            )
+            for flight in self.flights
+        )
+        return any(float(found.mean()) > 0.5 for found in near)
+
+
+def _along(points: F64) -> F64:
+    """``(n, 2)`` places on the plan along and across the direction in which points extend most."""
+    level = points[:, :2] - points[:, :2].mean(axis=0)
+    return np.asarray(level @ np.linalg.eigh(level.T @ level)[1][:, ::-1], dtype=np.float64)

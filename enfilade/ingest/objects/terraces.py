@@ -1,0 +1,286 @@
+"""Furniture that touches, told apart by what each piece covers on the plan and how high it stands there.
+
+Seen from above, a piece of furniture is a terrace or a few: the seat and the back of a chair, the mattress and the
+pillow of a bed. Those of one piece make a convex figure together, or one is narrow beside the other, as backs and arms
+are. Where a chair stands at a table, or a night table at a bed, the figure has a bay, and there it is cut.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final, cast
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from enfilade.ingest.objects.parameters import ObjectParameters
+from enfilade.ingest.records import F64, I32
+
+I64 = NDArray[np.int64]
+
+NEXT: Final = ((0, 1), (1, 0), (1, 1), (1, -1), (0, 2), (2, 0))
+"""Steps to the cells that count as neighbours, one of each pair; two cells far for the gaps between scan lines."""
+CUT_M: Final = 0.05
+SHORT_M: Final = 0.1
+"""A cut may leave so much more hull, in m² a metre, if it is shorter: of two that part as well, the shorter is right."""
+LEAST_CELLS: Final = 6
+INSIDE_M: Final = 0.12
+"""What stands on a table is so far from the table's edge, in the middle."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Terrace:
+    """A part of the plan: its hull, its area, width and height, and whether it is a surface that was seen.
+
+    Of what is taller than the scanner only edges are seen from above, and these tell little about its plan.
+    """
+
+    hull: shapely.Geometry
+    area: float
+    width: float
+    height: float
+    surface: bool
+
+
+def split(points: F64, parameters: ObjectParameters) -> I64:
+    """Split what hangs together into pieces of furniture.
+
+    Parameters
+    ----------
+    points
+        ``(n, 3)`` metres.
+    parameters
+        Cells, steps, widths.
+
+    Returns
+    -------
+    ``(n,) int64`` number of the piece of each point, from 0.
+    """
+    places, column = _columns(points, parameters)
+    cell = np.floor(places / parameters.plan_cell_m).astype(np.int64)
+    height = np.full(len(cell), -np.inf)
+    np.maximum.at(height, column, points[:, 2])
+    a, b = _neighbours(cell)
+    terrace = _terraces(cell, height, a, b, parameters.max_step_m)
+    if terrace.max() == 0:
+        return np.zeros(len(points), dtype=np.int64)
+    pairs = np.unique(np.sort(np.column_stack([terrace[a], terrace[b]]), axis=1), axis=0, return_counts=True)
+    piece, below = _merge(terrace, places, height, pairs, parameters)
+    own = piece[terrace[column]]
+    under = below[terrace[column]]
+    lower = (under[:, 0] >= 0) & (points[:, 2] < under[:, 1])
+    own[lower] = piece[under[lower, 0].astype(np.int64)]
+    return np.unique(own, return_inverse=True)[1].astype(np.int64)
+
+
+def _neighbours(cell: I64) -> tuple[I64, I64]:
+    """Pairs of cells, by index, that lie beside one another."""
+    low = cell.min(axis=0) - 2
+    width = int(np.ptp(cell[:, 1])) + 5
+    key = (cell[:, 0] - low[0]) * width + cell[:, 1] - low[1]
+    first, second = [], []
+    for step in NEXT:
+        at = np.minimum(np.searchsorted(key, key + step[0] * width + step[1]), len(key) - 1)
+        found = np.flatnonzero(key[at] == key + step[0] * width + step[1])
+        first.append(found)
+        second.append(at[found])
+    return np.concatenate(first), np.concatenate(second)
+
+
+def _terraces(cell: I64, height: F64, a: I64, b: I64, step_m: float) -> I64:
+    """``(k,)`` terrace of each cell; those of few cells go with the next large one."""
+    level = np.abs(height[a] - height[b]) < step_m
+    graph = coo_array((np.ones(level.sum(), dtype=bool), (a[level], b[level])), shape=(len(cell), len(cell)))
+    terrace = connected_components(graph, directed=False)[1]
+    size = np.bincount(terrace)
+    large = size[terrace] >= min(LEAST_CELLS, size.max())
+    nearest = cKDTree(cell[large]).query(cell[~large])[1]
+    terrace[~large] = terrace[large][nearest]
+    return np.unique(terrace, return_inverse=True)[1].astype(np.int64)
+
+
+def _merge(
+    terrace: I64, places: F64, height: F64, pairs: tuple[I64, I64], parameters: ObjectParameters
+) -> tuple[I64, F64]:
+    """Join terraces of one piece, along the longest borders first.
+
+    Returns
+    -------
+    Piece of each terrace; and for those that stand on another, that other and its height, else -1.
+    """
+    order = np.argsort(terrace, kind="stable")
+    groups = np.split(order, np.cumsum(np.bincount(terrace))[:-1])
+    known = [_terrace(places[own], height[own], parameters) for own in groups]
+    piece = np.arange(len(known))
+    below = np.full((len(known), 2), -1.0)
+    changed = True
+    while changed:
+        changed = False
+        for a, b in pairs[0][np.lexsort((pairs[0][:, 1], pairs[0][:, 0], -pairs[1]))]:
+            first, second = piece[a], piece[b]
+            if first == second:
+                continue
+            low, high = (first, second) if known[first].height <= known[second].height else (second, first)
+            if _stands_on(known[high], known[low], parameters):
+                below[piece == high] = low, known[low].height + parameters.clearance_m
+            elif _is_one(known[first], known[second], parameters):
+                piece[piece == second] = first
+                own = np.flatnonzero(piece[terrace] == first)
+                known[first] = _terrace(places[own], height[own], parameters)
+                changed = True
+    return piece, below
+
+
+def _terrace(places: F64, height: F64, parameters: ObjectParameters) -> _Terrace:
+    hull = _hull(places)
+    width = min(_sides(hull))
+    surface = width > parameters.min_surface_m and _is_filled(places, hull, parameters)
+    return _Terrace(hull, _area(hull), width, float(np.median(height)), surface)
+
+
+def _hull(places: F64) -> shapely.Geometry:
+    hull = shapely.convex_hull(shapely.linestrings(np.concatenate([places, places[:1]])))
+    return cast(shapely.Geometry, shapely.buffer(hull, 0.02))
+
+
+def _area(shape: shapely.Geometry) -> float:
+    return float(shapely.area(shape))
+
+
+def _is_filled(places: F64, hull: shapely.Geometry, parameters: ObjectParameters) -> bool:
+    """Whether places fill most of their hull."""
+    return bool(len(places) * parameters.plan_cell_m**2 >= parameters.min_fill * _area(hull))
+
+
+def _sides(hull: shapely.Geometry) -> tuple[float, float]:
+    corners = shapely.get_coordinates(shapely.minimum_rotated_rectangle(hull))
+    a, b = np.hypot(*(corners[1] - corners[0])), np.hypot(*(corners[2] - corners[1]))
+    return float(a), float(b)
+
+
+def _is_one(first: _Terrace, second: _Terrace, parameters: ObjectParameters) -> bool:
+    """Whether two terraces side by side are of one piece."""
+    low, high = (first, second) if first.height <= second.height else (second, first)
+    arm = high.width < parameters.max_arm_m
+    if high.height - low.height > (parameters.max_back_m if arm else parameters.max_stage_m):
+        return False
+    both = shapely.union(first.hull, second.hull)
+    strict = not arm and first.surface and second.surface
+    least = parameters.min_convexity if strict else parameters.min_arm_convexity
+    return _area(both) >= least * _area(shapely.convex_hull(both))
+
+
+def _stands_on(high: _Terrace, low: _Terrace, parameters: ObjectParameters) -> bool:
+    """Whether one stands in the middle of the other, as a thing on a table."""
+    raised = high.height - low.height > parameters.min_thing_m
+    small = high.area < 0.5 * low.area and low.area > parameters.min_table_m2
+    return raised and small and bool(shapely.contains(shapely.buffer(low.hull, -INSIDE_M), shapely.centroid(high.hull)))
+
+
+def cut_bays(points: F64, parameters: ObjectParameters) -> Iterator[I64]:
+    """Cut a piece straight where its plan has a bay: in the corner of a kitchen, where a table meets a bed as high.
+
+    Parameters
+    ----------
+    points
+        ``(n, 3)`` metres, one piece after `split`.
+    parameters
+        Convexity, least width.
+
+    Yields
+    ------
+    Indices of the points of each part.
+    """
+    cell, column = _columns(points, parameters)
+    waiting = [np.arange(len(cell))]
+    part = np.zeros(len(cell), dtype=np.int64)
+    while waiting:
+        own = waiting.pop()
+        half = _bay(cell[own], parameters)
+        if half is not None:
+            part[own[half]] = part.max() + 1
+            waiting += [own[~half], own[half]]
+    yield from (np.flatnonzero(part[column] == k) for k in range(part.max() + 1))
+
+
+def _columns(points: F64, parameters: ObjectParameters) -> tuple[F64, I64]:
+    """Return the centres of the plan's cells, ``(k, 2)``, and the cell of each point."""
+    cell = np.floor(points[:, :2] / parameters.plan_cell_m).astype(np.int64)
+    low = cell.min(axis=0)
+    width = int(cell[:, 1].max() - low[1]) + 1
+    key, column = np.unique((cell[:, 0] - low[0]) * width + cell[:, 1] - low[1], return_inverse=True)
+    centres = np.column_stack([key // width, key % width]) + low + 0.5
+    return centres * parameters.plan_cell_m, column
+
+
+def cut_row(points: F64, parameters: ObjectParameters) -> Iterator[I64]:
+    """Cut what is longer than any one piece of furniture into modules.
+
+    Rows of kitchen units, cupboards and shelves show neither gaps nor steps where one ends. Up to three modules
+    make a unit again.
+
+    Parameters
+    ----------
+    points
+        ``(n, 3)`` metres, one part after `cut_bays`.
+    parameters
+        Longest single piece, module, depth of a row.
+
+    Yields
+    ------
+    Indices of the points of each module.
+    """
+    frame, extent = _frame(_columns(points, parameters)[0])
+    if extent.max() <= parameters.max_single_m or extent.min() > parameters.max_row_depth_m:
+        yield np.arange(len(points))
+        return
+    along = points[:, :2] @ frame[:, int(extent.argmax())]
+    count = round(float(extent.max()) / parameters.module_m)
+    module = np.minimum((along - along.min()) / extent.max() * count, count - 1).astype(np.int64)
+    yield from (np.flatnonzero(module == k) for k in np.unique(module))
+
+
+def _frame(places: F64) -> tuple[F64, F64]:
+    """Axes of the smallest rectangle around places, in columns, and its sides along them."""
+    corners = shapely.get_coordinates(shapely.minimum_rotated_rectangle(_hull(places)))
+    u = (corners[1] - corners[0]) / np.hypot(*(corners[1] - corners[0]))
+    frame = np.column_stack([u, [-u[1], u[0]]])
+    return frame, np.ptp(places @ frame, axis=0)
+
+
+def _bay(cells: F64, parameters: ObjectParameters) -> NDArray[np.bool_] | None:
+    """Which cells lie on one side of the straight cut that takes most off the hull, None if none takes much.
+
+    Only surfaces that were seen are cut: the edges of a cupboard that hides its top make bays of all kinds.
+    """
+    hull, margin = _hull(cells), parameters.min_board_m
+    covered = len(cells) * parameters.plan_cell_m**2 / _area(hull)
+    if len(cells) < 2 * LEAST_CELLS or not parameters.min_fill * parameters.min_convexity < covered < 1:
+        return None
+    frame, extent = _frame(cells)
+    place = cells @ frame
+    best, cut = np.inf, None
+    for axis in np.flatnonzero(extent > 2 * margin):
+        for at in np.arange(place[:, axis].min() + margin, place[:, axis].max() - margin, CUT_M):
+            side = place[:, axis] < at
+            halves = [place[half] for half in (side, ~side)]
+            if any(len(half) < LEAST_CELLS or np.ptp(half, axis=0).min() < margin for half in halves):
+                continue
+            area = [_area(_hull(half)) for half in halves]
+            least = [len(half) * parameters.plan_cell_m**2 / parameters.min_fill for half in halves]
+            beside = np.abs(place[:, axis] - at) < 2 * parameters.plan_cell_m
+            length = min(_length(place[beside & half, 1 - axis]) for half in (side, ~side))
+            cost = sum(area) + SHORT_M * length
+            parts = sum(area) < parameters.min_convexity * _area(hull)
+            if parts and cost < best and all(a <= b for a, b in zip(area, least, strict=True)):
+                best, cut = cost, side
+    return cut
+
+
+def _length(places: F64) -> float:
+    return float(np.ptp(places)) if len(places) else 0.0
