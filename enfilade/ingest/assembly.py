@@ -147,6 +147,7 @@ def _add_rooms(graph: BuildingGraph, rooms: Sequence[Room], room_storey: I32, or
             outline=[(ring + origin[:2]).ravel().tolist() for ring in room.outline],
             point_count=room.point_count,
             scans=list(room.scans),
+            scan_positions=(room.scan_positions + origin).ravel().tolist(),
             seen_from="inside" if room.scans else "outside",
             confidence=room.confidence,
         )

@@ -32,6 +32,7 @@ def measure_rooms(cloud: ThinnedCloud, surfels: Surfels, labels: RoomLabels, pla
                 scans=tuple(cloud.scan_names[scan] for scan in np.flatnonzero(labels.scan_room == number)),
                 confidence=float(labels.agreement[members].mean(dtype=np.float64)),
                 floor_plane=plan.floor_plane,
+                scan_positions=cloud.scanner_positions[labels.scan_room == number].astype(np.float64),
             )
         )
     return tuple(rooms)

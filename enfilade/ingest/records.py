@@ -249,7 +249,8 @@ class Plan:
 class Room:
     """What was measured of one room; lengths in metres, relative to the origin.
 
-    `outline` holds rings as ``(K, 2) float64`` arrays, the outer one first.
+    `outline` holds rings as ``(K, 2) float64`` arrays, the outer one first; `scan_positions` is ``(S, 3) float64``, where
+    the scanners of `scans` stood.
     """
 
     number: int
@@ -263,6 +264,7 @@ class Room:
     scans: tuple[str, ...]
     confidence: float
     floor_plane: int
+    scan_positions: F64 = field(default_factory=lambda: np.empty((0, 3)))
 
 
 @dataclass(frozen=True, slots=True)

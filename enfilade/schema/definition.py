@@ -160,6 +160,7 @@ NODE_TYPES: Final = (
             Property("outline", Kind.RINGS, "simplified plan polygon, rings as flat lists, outer ring first", "m"),
             Property("point_count", Kind.INTEGER, "thinned points in the room"),
             Property("scans", Kind.TEXTS, "names of the scans that stand in the room"),
+            Property("scan_positions", Kind.REALS, "where these scanners stood, in the same order: x y z each", "m"),
             Property(
                 "seen_from",
                 Kind.TEXT,
