@@ -36,18 +36,28 @@ def buildings_command(ctx: click.Context, form: str) -> None:
 
 @click.command("show")
 @click.argument("building")
-@click.option("--plan", type=click.Path(dir_okay=False, path_type=Path), help="Draw a plan a storey: PNG or SVG.")
+@click.option("--plan", type=click.Path(path_type=Path), help="Draw plans: a .png, .svg or .pdf file, or a folder.")
+@click.option("--storey", help="Draw only this storey: its id, name or index.")
+@click.option("--furniture", is_flag=True, help="Draw furniture too, lightly.")
 @click.pass_context
-def show_command(ctx: click.Context, building: str, plan: Path | None) -> None:
-    """Show a building as tree, table of rooms and plans."""
+def show_command(ctx: click.Context, building: str, plan: Path | None, storey: str | None, furniture: bool) -> None:
+    """Show a building as tree, table of rooms and plans.
+
+    `--plan hotel.png` draws a sheet a storey, hotel-s0.png and so on; a folder gets PNG and SVG of each.
+    """
+    if plan is None and (storey is not None or furniture):
+        raise click.UsageError("--storey and --furniture say how to draw; name a file or a folder with --plan.")
     archive = open_archive(ctx)
     graph = archive.store.read(building)
     print_building(graph)
     if plan is not None:
-        from enfilade.pictures.plan import draw_storeys
+        from enfilade.pictures.plan import draw_plans, without_outline
 
-        for path in draw_storeys(graph, plan, cloud=archive.cloud(building)):
-            ERR.print(f"Drew {path}")
+        for path in draw_plans(graph, plan, cloud=archive.cloud(building), storey=storey, furniture=furniture):
+            ERR.print(f"Drew {path}", markup=False)
+        missing = without_outline(graph)
+        if missing:
+            ERR.print(f"No outline is known of {counted(missing, 'room')}; drawn by bounds or centre.", markup=False)
 
 
 def print_building(graph: BuildingGraph) -> None:

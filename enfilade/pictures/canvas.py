@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Final
 
@@ -33,6 +34,11 @@ def check_suffix(path: Path) -> None:
         raise InputError(f"{path} cannot be drawn: a picture is a file that ends in {', '.join(SUFFIXES)}.")
 
 
+def _settings() -> AbstractContextManager[None]:
+    """Set what all pictures share; letters stay letters in an SVG, to be searched, copied and edited."""
+    return mpl.rc_context({"svg.hashsalt": "enfilade", "svg.fonttype": "none"})
+
+
 def save(figure: Figure, path: Path) -> None:
     """Write a figure; the same drawing gives the same bytes.
 
@@ -46,7 +52,7 @@ def save(figure: Figure, path: Path) -> None:
     check_suffix(path)
     suffix = path.suffix.lower()
     try:
-        with warnings.catch_warnings(), mpl.rc_context({"svg.hashsalt": "enfilade"}), replacing(path) as file:
+        with warnings.catch_warnings(), _settings(), replacing(path) as file:
             # A name in a script that the font lacks shows as boxes; that is no reason to speak up.
             warnings.filterwarnings("ignore", message="Glyph .* missing from font")
             figure.savefig(file, format=suffix[1:], metadata=_METADATA[suffix])

@@ -1,55 +1,46 @@
-"""A plan of a storey with the graph drawn over it."""
+"""Plans of storeys as an architect would draw them, a sheet each, at a true scale."""
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
+import shapely
 from numpy.typing import NDArray
 
 from enfilade.clouds import LabelledCloud
 from enfilade.errors import NotFoundError
 from enfilade.schema.graph import BuildingGraph, Node
 
-from .canvas import check_suffix, save, sheet
-from .layers import (
-    draw_graph,
-    draw_masonry,
-    draw_openings,
-    draw_rooms,
-    draw_scale,
-    draw_stairs,
-    draw_walls,
-    wall_band,
-    wall_points,
-)
-from .names import write_names
-from .scene import PlanScene, plan_scene
-from .style import FAINT_INK, INK, OPENING_COLOURS, shortened, words
+from .canvas import check_suffix, save
+from .furniture import draw_furniture
+from .leaves import draw_door, draw_lintel, draw_passage, draw_window, leaved
+from .lettering import LINE, MM_PER_PT, SMALLER, Label, place_labels
+from .paper import Sheet, choose_sheet, lay_out
+from .pen import DASHED, DOTTED, FINE_MM, SEEN_MM, Pen
+from .remarks import remarks, titles
+from .scene import Bounds, outline_rings
+from .steps import draw_hatch, draw_stairs
+from .storey_plan import StoreyPlan, Surroundings, plan_storeys, surroundings
+from .style import FAINT_INK, INK, PAPER, shortened
+from .titleblock import band_mm, draw_band
 
 F64 = NDArray[np.float64]
 
-_LONG_SIDE_IN: Final = 9.0
-_LARGEST_IN: Final = 20.0
-_IN_PER_M: Final = 0.4
-"""A large building gets a larger sheet, so that its scale stays about 1:100."""
-_MOST_IN_PER_M: Final = 1.6
-_MARGIN_M: Final = 0.6
-_HEAD_IN: Final = 0.7
-_FOOT_IN: Final = 0.65
-_SCALE_IN: Final = 2.0
-_SAMPLE_IN: Final = 1.0
-"""Room for the scale bar, and for each sample of the legend; the legend has two lines where they do not fit in one."""
-_WIDTHS_PT_PER_M: Final = 24.0
-"""From this scale on the widths of doors are written beside them."""
+_SCAN_MM: Final = 1.1
+_FLOOR, _VOID, _WALL, _UNSEEN, _SCAN, _NAME = 1.0, 1.5, 3.6, 3.8, 5.0, 6.0
 
 
-def draw_storeys(graph: BuildingGraph, path: Path, *, cloud: LabelledCloud | None = None) -> list[Path]:
+def draw_storeys(
+    graph: BuildingGraph, path: Path, *, cloud: LabelledCloud | None = None, furniture: bool = False
+) -> list[Path]:
     """Draw each storey that has a room with a place; ``plan.png`` becomes ``plan-s0.png``, ``plan-s1.png``, ...
+
+    All sheets have one scale, one size and one angle, so that they can be laid over one another.
 
     Returns
     -------
@@ -62,15 +53,68 @@ def draw_storeys(graph: BuildingGraph, path: Path, *, cloud: LabelledCloud | Non
         As `draw_plan`.
     """
     check_suffix(path)
-    drawn, walls = [], wall_points(cloud)
-    for storey in sorted(graph.of_label("Storey"), key=lambda node: (node.properties.get("index", 0), node.id)):
-        scene = plan_scene(graph, [room.id for room in graph.targets(storey.id, "HAS_ROOM")])
-        if scene.rooms:
-            drawn.append(path.with_name(f"{path.stem}-{storey.id.rsplit('/', 1)[-1]}{path.suffix}"))
-            _draw(scene, drawn[-1], _title(graph, storey), walls)
-    if not drawn:
+    return _draw_each(graph, _storeys(graph), [path], cloud, furniture=furniture)
+
+
+def draw_plans(
+    graph: BuildingGraph,
+    target: Path,
+    *,
+    cloud: LabelledCloud | None = None,
+    storey: str | None = None,
+    furniture: bool = False,
+) -> list[Path]:
+    """Draw all storeys or one, into files named after `target`, or as PNG and SVG into it where it is a folder.
+
+    A target without a suffix is a folder, made where missing; the files in it are named after the building.
+
+    Returns
+    -------
+    list of Path
+        The files.
+
+    Raises
+    ------
+    InputError, NotFoundError, StoreError
+        As `draw_plan`.
+    """
+    if target.is_dir() or not target.suffix:
+        name = re.sub(r"[^\w.-]+", "_", graph.building)
+        paths = [target / f"{name}.png", target / f"{name}.svg"]
+    else:
+        check_suffix(target)
+        if storey is not None:
+            draw_plan(graph, target, storey=storey, cloud=cloud, furniture=furniture)
+            return [target]
+        paths = [target]
+    storeys = _storeys(graph) if storey is None else [find_storey(graph, storey)]
+    return _draw_each(graph, storeys, paths, cloud, furniture=furniture)
+
+
+def _draw_each(
+    graph: BuildingGraph,
+    storeys: Sequence[Node],
+    paths: Sequence[Path],
+    cloud: LabelledCloud | None,
+    *,
+    furniture: bool,
+) -> list[Path]:
+    """Draw storeys, each into a file beside every path, named after it and the storey."""
+    around = surroundings(graph, cloud, furniture=furniture)
+    plans = plan_storeys(around, storeys)
+    if not plans:
         raise NotFoundError(f"The building {graph.building!r} has no room with an outline or a centre to draw.")
-    return drawn
+    files = [
+        [path.with_name(f"{path.stem}-{plan.node.id.rsplit('/', 1)[-1]}{path.suffix}") for path in paths]
+        for plan in plans
+    ]
+    _draw_sheets(around, plans, files)
+    return [file for beside in files for file in beside]
+
+
+def without_outline(graph: BuildingGraph) -> int:
+    """Count the rooms of which no outline is known."""
+    return sum(not outline_rings(room.properties) for room in graph.of_label("Room"))
 
 
 def draw_plan(
@@ -80,6 +124,7 @@ def draw_plan(
     storey: str | None = None,
     cloud: LabelledCloud | None = None,
     title: str | None = None,
+    furniture: bool = False,
 ) -> None:
     """Draw a plan as PNG, SVG or PDF.
 
@@ -90,11 +135,13 @@ def draw_plan(
     path
         File to write.
     storey
-        Id of the storey; the lowest one if not given.
+        Id, name or index of the storey; the lowest one if not given.
     cloud
-        Gives the print of the walls; without it rooms are outlined.
+        Shows where walls and stairs are; without it the outlines in the graph have to do.
     title
-        Instead of the names of building and storey.
+        Instead of the building's name.
+    furniture
+        Whether to draw objects too, lightly.
 
     Raises
     ------
@@ -106,106 +153,179 @@ def draw_plan(
         If the file cannot be written.
     """
     check_suffix(path)
-    node = _storey(graph, storey)
-    scene = plan_scene(graph, [room.id for room in graph.targets(node.id, "HAS_ROOM")])
-    if not scene.rooms:
+    node = find_storey(graph, storey)
+    around = surroundings(graph, cloud, furniture=furniture)
+    plans = plan_storeys(around, [node])
+    if not plans:
         raise NotFoundError(f"The storey {node.id!r} has no room with an outline or a centre to draw.")
-    _draw(scene, path, title or _title(graph, node), wall_points(cloud))
+    _draw_sheets(around, plans, [[path]], title=title)
 
 
-def _storey(graph: BuildingGraph, storey: str | None) -> Node:
-    storeys = {node.id: node for node in graph.of_label("Storey")}
+def _storeys(graph: BuildingGraph) -> list[Node]:
+    return sorted(graph.of_label("Storey"), key=lambda node: (node.properties.get("index", 0), node.id))
+
+
+def find_storey(graph: BuildingGraph, storey: str | None) -> Node:
+    """Return a storey by id, the part of it after the slash, name or index; the lowest one for None.
+
+    Raises
+    ------
+    NotFoundError
+        If there is none such.
+    """
+    storeys = _storeys(graph)
     if storey is None and storeys:
-        return min(storeys.values(), key=lambda node: (node.properties.get("index", 0), node.id))
-    if storey is None or storey not in storeys:
-        known = ", ".join(storeys) or "none"
-        raise NotFoundError(f"There is no storey {storey!r} in {graph.building!r}; it has {known}.")
-    return storeys[storey]
+        return storeys[0]
+    for node in storeys:
+        if storey in (node.id, node.id.split("/", 1)[1]):
+            return node
+    for name in ("name", "index"):
+        for node in storeys:
+            if str(node.properties.get(name)) == storey:
+                return node
+    known = ", ".join(node.id for node in storeys) or "none"
+    raise NotFoundError(f"There is no storey {storey!r} in {graph.building!r}; it has {known}.")
 
 
-def _title(graph: BuildingGraph, storey: Node) -> str:
-    building = graph.nodes[graph.building].properties.get("name") if graph.building in graph.nodes else None
-    name = storey.properties.get("name") or storey.id.split("/", 1)[1]
-    return f"{shortened(str(building or graph.building), 40)} · {shortened(str(name), 40)}"
+def _draw_sheets(
+    around: Surroundings,
+    plans: Sequence[StoreyPlan],
+    files: Sequence[Sequence[Path]],
+    *,
+    title: str | None = None,
+) -> None:
+    """Draw plans on sheets of one size and scale, each into its files."""
+    bounds = _around([plan.bounds for plan in plans])
+    paper, labels = _fit(around, plans, bounds)
+    for plan, beside, placed in zip(plans, files, labels, strict=True):
+        figure, pen, millimetres = lay_out(paper, bounds)
+        _draw(pen, plan, placed, around)
+        heading = titles(around, plan, paper)
+        if title is not None:
+            heading = replace(heading, building=title)
+        listed = [label for label in placed if label.number is not None]
+        draw_band(millimetres, paper, heading, remarks(around, plan), listed)
+        for file in beside:
+            save(figure, file)
 
 
-def _draw(scene: PlanScene, path: Path, title: str, walls: F64 | None) -> None:
-    figure, axes, points_per_metre = plan_axes(scene)
-    draw_masonry(axes, scene)
-    draw_rooms(axes, scene.rooms.values(), outlined=walls is None)
-    if walls is not None:
-        draw_walls(axes, walls, wall_band(scene))
-    draw_openings(axes, scene, widths=points_per_metre >= _WIDTHS_PT_PER_M)
-    draw_graph(axes, scene, node_pt=5.0 if points_per_metre >= _WIDTHS_PT_PER_M else 3.6)
-    draw_stairs(axes, scene, size_m=15 / points_per_metre)
-    write_names(axes, scene.rooms.values(), points_per_metre, largest_pt=9.0)
-    _write_head(figure, scene, title)
-    _draw_foot(figure, axes, scene)
-    save(figure, path)
+def _around(bounds: Sequence[Bounds]) -> Bounds:
+    low, high = np.array(bounds)[:, :2].min(axis=0), np.array(bounds)[:, 2:].max(axis=0)
+    return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
 
-def plan_axes(scene: PlanScene) -> tuple[Figure, Axes, float]:
-    """Return a sheet for a plan, its axes in metres, and how many points a metre has on paper."""
-    x0, y0, x1, y1 = scene.bounds
-    width, height = x1 - x0 + 2 * _MARGIN_M, y1 - y0 + 2 * _MARGIN_M
-    long_side = max(width, height)
-    scale = min(max(_LONG_SIDE_IN / long_side, _IN_PER_M), _LARGEST_IN / long_side, _MOST_IN_PER_M)
-    across, up = max(width * scale, 6.5), height * scale
-    figure = sheet(across, up + _HEAD_IN + _FOOT_IN)
-    total = up + _HEAD_IN + _FOOT_IN
-    axes = figure.add_axes((0.0, _FOOT_IN / total, 1.0, up / total))
-    slack = (across / scale - width) / 2
-    axes.set_xlim(x0 - _MARGIN_M - slack, x1 + _MARGIN_M + slack)
-    axes.set_ylim(y0 - _MARGIN_M, y1 + _MARGIN_M)
-    axes.set_aspect("equal")
-    axes.set_autoscale_on(False)
-    axes.axis("off")
-    return figure, axes, scale * 72
+def _fit(around: Surroundings, plans: Sequence[StoreyPlan], bounds: Bounds) -> tuple[Sheet, list[list[Label]]]:
+    """Choose paper and scale so that plan, notes and the list of small rooms have their places."""
+    band = 0.0
+    while True:
+        paper = choose_sheet(bounds, band)
+        labels = [_labels(plan, paper) for plan in plans]
+        needed = max(
+            band_mm(titles(around, plan, paper), remarks(around, plan), _count_listed(placed), paper.width_mm)
+            for plan, placed in zip(plans, labels, strict=True)
+        )
+        if needed <= band:
+            return paper, labels
+        band = needed
 
 
-def _write_head(figure: Figure, scene: PlanScene, title: str) -> None:
-    height = figure.get_figheight()
-    areas = [room.node.properties.get("area") for room in scene.rooms.values()]
-    known = [area for area in areas if area is not None]
-    counts = f"{len(scene.rooms)} room{'s' if len(scene.rooms) != 1 else ''}"
-    line = f"{counts}, {sum(known):,.0f} m²" if known else counts
-    figure.text(0.25 / figure.get_figwidth(), 1 - 0.3 / height, title, **words(13, ha="left", weight="bold"))
-    figure.text(0.25 / figure.get_figwidth(), 1 - 0.56 / height, line, **words(8.5, ha="left", color=FAINT_INK))
+def _count_listed(labels: Sequence[Label]) -> int:
+    return sum(label.number is not None for label in labels)
 
 
-def _draw_foot(figure: Figure, axes: Axes, scene: PlanScene) -> None:
-    """Draw scale and legend under the plan."""
-    x0, x1 = axes.get_xlim()
-    y0, _ = axes.get_ylim()
-    scale = figure.get_figwidth() / (x1 - x0)
-    draw_scale(axes, x0 + 0.27 / scale, y0 - 0.38 / scale, x1 - x0)
-    handles = _legend(scene)
-    figure.legend(
-        handles=handles,
-        loc="lower right",
-        ncols=min(len(handles), max(1, int((figure.get_figwidth() - _SCALE_IN) / _SAMPLE_IN))),
-        frameon=False,
-        fontsize=7,
-        labelcolor=INK,
-        handlelength=1.8,
-        columnspacing=1.3,
-        bbox_to_anchor=(1 - 0.1 / figure.get_figwidth(), 0.12 / figure.get_figheight()),
-    )
+def _labels(plan: StoreyPlan, paper: Sheet) -> list[Label]:
+    return place_labels(list(plan.scene.rooms.values()), plan.lines, plan.obstacles, paper.mm_per_m)
 
 
-def _legend(scene: PlanScene) -> list[Line2D]:
-    """Return a sample of each thing that the plan has."""
-    kinds = {(opening.kind, opening.closed and opening.kind == "door") for opening in scene.openings}
-    samples: dict[tuple[str, bool], dict[str, Any]] = {
-        ("door", False): {"linewidth": 3.2, "label": "door"},
-        ("door", True): {"linewidth": 3.2, "label": "closed door", "dashes": (1, 0.7)},
-        ("passage", False): {"linewidth": 1.2, "label": "passage", "dashes": (2, 2)},
-        ("window", False): {"linewidth": 1.4, "label": "window"},
-        ("stairs", False): {"marker": "s", "linestyle": "none", "mfc": "none", "label": "stairs"},
-        ("hatch", False): {"marker": "s", "linestyle": "none", "mfc": "none", "label": "hatch"},
-    }
-    handles = [Line2D([], [], color=OPENING_COLOURS[key[0]], **style) for key, style in samples.items() if key in kinds]
-    handles.append(Line2D([], [], color=INK, linewidth=0.9, marker="o", markersize=4, label="room and way"))
-    if scene.neighbours:
-        handles.append(Line2D([], [], color=FAINT_INK, linewidth=0.7, dashes=(1, 3), label="neighbours"))
-    return handles
+def _draw(pen: Pen, plan: StoreyPlan, labels: Sequence[Label], around: Surroundings) -> None:
+    """Draw a storey from the floor up."""
+    for room in plan.scene.rooms.values():
+        edge = "none" if room.outlined else FAINT_INK
+        pen.area(
+            room.polygon, layer=_FLOOR, fill=PAPER, edge=edge, weight=SEEN_MM, style=DASHED, gid=f"room-{room.local}"
+        )
+    _draw_voids(pen, plan)
+    pen.area(plan.walls.solid, layer=_WALL, fill=INK, edge=INK, weight=FINE_MM, gid="walls")
+    unseen = [np.asarray(line.coords) for line in plan.walls.unseen.geoms]
+    pen.lines(unseen, layer=_UNSEEN, weight=SEEN_MM, style=DOTTED, gid="unseen")
+    if around.furniture:
+        draw_furniture(pen, plan.scene, around.outlines)
+    _draw_openings(pen, plan)
+    _mark_scans(pen, plan)
+    for label in labels:
+        _write_label(pen, label)
+
+
+def _draw_openings(pen: Pen, plan: StoreyPlan) -> None:
+    for one in plan.gaps:
+        if one.opening.kind == "window":
+            draw_window(pen, one)
+        elif one.opening.kind == "passage":
+            draw_passage(pen, one)
+        elif not leaved(one):
+            draw_lintel(pen, one)
+        else:
+            draw_door(pen, one, plan.leaves[one.opening.node.id])
+    for stairs in plan.stairs:
+        draw_stairs(pen, stairs, plan.scene)
+    for opening in plan.scene.openings:
+        if opening.kind == "hatch":
+            draw_hatch(pen, opening, opening.node.id.split("/", 1)[1])
+
+
+def _draw_voids(pen: Pen, plan: StoreyPlan) -> None:
+    """Cross out where a room below reaches through this storey."""
+    for void in plan.voids:
+        x0, y0, x1, y1 = void.shape.bounds
+        cross = shapely.MultiLineString([[(x0, y0), (x1, y1)], [(x0, y1), (x1, y0)]]).intersection(void.shape)
+        pen.area(void.shape, layer=_VOID, fill=PAPER, edge=INK, weight=FINE_MM, style=DASHED)
+        pen.lines(
+            [np.asarray(part.coords) for part in shapely.get_parts(cross) if part.geom_type == "LineString"],
+            layer=_VOID,
+            weight=FINE_MM,
+            style=DASHED,
+        )
+        name = plan.scene.graph.nodes[void.room].properties.get("name") or void.room.split("/", 1)[1]
+        paper = {"facecolor": PAPER, "edgecolor": "none", "pad": 0.6}
+        place = np.array(void.shape.representative_point().coords[0])
+        pen.write(place, f"void over\n{shortened(str(name))}", 6.5, layer=_NAME, bbox=paper)
+
+
+def _mark_scans(pen: Pen, plan: StoreyPlan) -> None:
+    """Mark where the scanner stood by small crosses."""
+    arm = _SCAN_MM / pen.mm_per_m
+    for room in plan.scene.rooms.values():
+        places = scan_places(room.node.properties)
+        if len(places):
+            arms = np.array([[(-arm, 0), (arm, 0)], [(0, -arm), (0, arm)]])
+            crosses = [place + line for place in plan.scene.frame.points(places) for line in arms]
+            pen.lines(crosses, layer=_SCAN, weight=FINE_MM, colour=FAINT_INK, gid=f"scans-{room.local}")
+
+
+def scan_places(properties: Mapping[str, object]) -> F64:
+    """``(n, 2)`` where the scans of a room stand."""
+    given = np.asarray(properties.get("scan_positions", ()), dtype=np.float64)
+    return given.reshape(-1, 3)[:, :2] if given.size % 3 == 0 else np.empty((0, 2))
+
+
+def _write_label(pen: Pen, label: Label) -> None:
+    if label.number is not None:
+        pen.write(
+            label.place, str(label.number), label.size_pt, layer=_NAME, weight="bold", gid=f"label-{label.room.local}"
+        )
+        return
+    line = LINE * label.size_pt * MM_PER_PT / pen.mm_per_m
+    top = label.place[1] + line * (len(label.names) + SMALLER * len(label.more)) / 2
+    for place, name in enumerate(label.names):
+        spot = np.array([label.place[0], top - line * (place + 0.5)])
+        pen.write(
+            spot,
+            name,
+            label.size_pt,
+            layer=_NAME,
+            weight="bold",
+            gid=f"label-{label.room.local}" if place == 0 else None,
+        )
+    for place, text in enumerate(label.more):
+        spot = np.array([label.place[0], top - line * (len(label.names) + SMALLER * (place + 0.5))])
+        pen.write(spot, text, SMALLER * label.size_pt, layer=_NAME)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,11 @@ from shapely.errors import GEOSException
 from shapely.ops import polylabel
 
 from enfilade.schema.graph import BuildingGraph, Node
+from enfilade.schema.ids import parse
 from enfilade.schema.topology import Topology, topology
 
+from .faces import WallFaces, true_polygon, whole
+from .frame import AS_SCANNED, PageFrame
 from .style import ROOM_TINTS
 
 F64 = NDArray[np.float64]
@@ -32,6 +36,8 @@ class PlannedRoom:
     ----------
     rings
         Outline, ``(K, 2)`` arrays in metres, the outer one first; its bounds or a dot where none is known.
+    outlined
+        Whether its outline is known.
     place
         ``(2,)`` where its node and name go: well inside.
     tint
@@ -43,11 +49,17 @@ class PlannedRoom:
     polygon: Polygon
     place: F64
     tint: str
+    outlined: bool = True
 
     @property
     def name(self) -> str:
         """Name, or the key after the slash."""
-        return str(self.node.properties.get("name") or self.node.id.split("/", 1)[1])
+        return str(self.node.properties.get("name") or self.local)
+
+    @property
+    def local(self) -> str:
+        """The key after the slash, ``r12``."""
+        return self.node.id.split("/", 1)[1]
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +110,22 @@ class PlannedOpening:
         """Width, metres; 0.9 where unknown."""
         return float(self.node.properties.get("width", 0.9))
 
+    @property
+    def height(self) -> float:
+        """Height, metres; 2 where unknown. Of a hole in a slab its longer side."""
+        return float(self.node.properties.get("height", 2.0))
+
+    @property
+    def middle(self) -> float:
+        """Elevation of its centre, metres; 0 where unknown."""
+        position = self.node.properties["position"]
+        return float(position[2]) if len(position) > 2 else 0.0
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether it is as likely not there."""
+        return float(self.node.properties.get("confidence", 1.0)) < 0.5
+
 
 @dataclass(frozen=True, slots=True)
 class PlanScene:
@@ -108,6 +136,7 @@ class PlanScene:
     rooms: dict[str, PlannedRoom]
     openings: tuple[PlannedOpening, ...]
     neighbours: tuple[tuple[str, str], ...]
+    frame: PageFrame = AS_SCANNED
 
     @property
     def bounds(self) -> Bounds:
@@ -119,10 +148,31 @@ class PlanScene:
         return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
 
-def plan_scene(graph: BuildingGraph, rooms: Iterable[str]) -> PlanScene:
-    """Take what the plan of some rooms needs from a graph; rooms without any place in it are left out."""
-    ends = topology(graph)
-    shapes = {room: _polygon(graph.nodes[room].properties) for room in rooms}
+def plan_scene(
+    graph: BuildingGraph,
+    rooms: Iterable[str],
+    *,
+    ends: Topology | None = None,
+    frame: PageFrame = AS_SCANNED,
+    faces: Mapping[int, WallFaces] = MappingProxyType({}),
+) -> PlanScene:
+    """Take what the plan of some rooms needs from a graph; rooms without any place in it are left out.
+
+    Parameters
+    ----------
+    graph
+        The building.
+    rooms
+        Keys of the rooms to show.
+    ends
+        The graph's topology, where it is at hand.
+    frame
+        How the building lies on the page.
+    faces
+        Faces of walls on the page by number of room; outlines are drawn true to them.
+    """
+    ends = ends or topology(graph)
+    shapes = {room: _polygon(graph.nodes[room], frame, faces) for room in rooms}
     known = {room: shape for room, shape in shapes.items() if shape is not None}
     neighbours = {
         (edge.source, edge.target): None
@@ -133,24 +183,35 @@ def plan_scene(graph: BuildingGraph, rooms: Iterable[str]) -> PlanScene:
         opening
         for node in graph.of_label("Opening")
         if any(room in known for room in ends.rooms_of[node.id])
-        and (opening := _opening(node, ends.rooms_of[node.id])) is not None
+        and (opening := _opening(node, ends.rooms_of[node.id], frame)) is not None
     ]
     tints = _tints(known, [*neighbours, *(o.rooms for o in openings if len(o.rooms) == 2)])
     planned = {room: _room(graph.nodes[room], shape, tints[room]) for room, shape in known.items()}
-    return PlanScene(graph, ends, planned, tuple(openings), tuple(neighbours))
+    return PlanScene(graph, ends, planned, tuple(openings), tuple(neighbours), frame)
 
 
-def _polygon(properties: Mapping[str, Any]) -> Polygon | None:
+def outline_rings(properties: Mapping[str, Any]) -> list[F64]:
+    """Return the rings of a room's outline, ``(K, 2)`` each; none where it is unknown."""
+    rings = [np.asarray(ring, dtype=np.float64) for ring in properties.get("outline", ())]
+    if any(len(ring) < 6 or len(ring) % 2 or not np.isfinite(ring).all() for ring in rings):
+        return []
+    return [ring.reshape(-1, 2) for ring in rings]
+
+
+def _polygon(node: Node, frame: PageFrame, faces: Mapping[int, WallFaces]) -> Polygon | None:
     """Return the outline, else the bounds, else a dot at the centroid; None where the room has no place."""
-    rings = [np.asarray(ring, dtype=np.float64).reshape(-1, 2) for ring in properties.get("outline", ())]
-    rings = [ring for ring in rings if len(ring) >= 3]
+    properties = node.properties
+    rings = outline_rings(properties)
     if rings:
-        return Polygon(rings[0], rings[1:])
+        polygon = whole(Polygon(frame.points(rings[0]), [frame.points(ring) for ring in rings[1:]]))
+        around = faces.get(parse(node.id).numbers[0])
+        if polygon is not None:
+            return polygon if around is None else true_polygon(polygon, around)
     if "bounds" in properties:
         x0, y0, _, x1, y1, _ = properties["bounds"]
-        return Polygon([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
+        return Polygon(frame.points(np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])))
     if "centroid" in properties:
-        x, y = properties["centroid"][:2]
+        x, y = frame.points(np.asarray(properties["centroid"][:2], dtype=np.float64))
         return Polygon([(x - 0.1, y - 0.1), (x + 0.1, y - 0.1), (x, y + 0.1)])
     return None
 
@@ -158,7 +219,8 @@ def _polygon(properties: Mapping[str, Any]) -> Polygon | None:
 def _room(node: Node, polygon: Polygon, tint: str) -> PlannedRoom:
     place = _place(polygon)
     rings = tuple(np.asarray(ring.coords, dtype=np.float64)[:, :2] for ring in (polygon.exterior, *polygon.interiors))
-    return PlannedRoom(node, rings, polygon, np.array([place.x, place.y]), tint)
+    outlined = bool(outline_rings(node.properties))
+    return PlannedRoom(node, rings, polygon, np.array([place.x, place.y]), tint, outlined)
 
 
 def _place(polygon: Polygon) -> Point:
@@ -173,11 +235,11 @@ def _place(polygon: Polygon) -> Point:
     return centre if inside else inmost
 
 
-def _opening(node: Node, rooms: tuple[str, ...]) -> PlannedOpening | None:
+def _opening(node: Node, rooms: tuple[str, ...], frame: PageFrame) -> PlannedOpening | None:
     if "position" not in node.properties:
         return None
-    position = np.asarray(node.properties["position"][:2], dtype=np.float64)
-    normal = np.asarray(node.properties.get("normal", (0.0, 0.0, 1.0))[:2], dtype=np.float64)
+    position = frame.points(np.asarray(node.properties["position"][:2], dtype=np.float64))
+    normal = frame.directions(np.asarray(node.properties.get("normal", (0.0, 0.0, 1.0))[:2], dtype=np.float64))
     length = float(np.hypot(*normal))
     upright = length > 0.5
     along = np.array([-normal[1], normal[0]]) / length if upright else np.array([1.0, 0.0])

@@ -111,7 +111,8 @@ def test_measure_says_sizes_and_distances(demo: Demo) -> None:
 def test_show_draws_svg_plans(demo: Demo, tmp_path: Path) -> None:
     enfilade(demo, "show", "demo", "--plan", tmp_path / "plan.svg")
     assert [path.name for path in sorted(tmp_path.iterdir())] == ["plan-s0.svg", "plan-s1.svg"]
-    assert "<svg" in (tmp_path / "plan-s0.svg").read_text()
+    drawn = (tmp_path / "plan-s0.svg").read_text()
+    assert all(f'id="{name}"' in drawn for name in ("walls", "room-r0", "label-r0", "scans-r0"))
 
 
 def test_answers_as_csv_and_parquet(demo: Demo, tmp_path: Path) -> None:

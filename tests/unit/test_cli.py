@@ -238,3 +238,21 @@ def test_what_is_exported_can_be_imported(with_hotel: Enfilade, name: str) -> No
 def test_an_empty_text_is_no_node(with_hotel: Enfilade) -> None:
     assert_one_sentence(with_hotel("measure", ""), status=1, about="1 to 200 characters")
     assert_one_sentence(with_hotel("measure", "hotel/r0", ""), status=1, about="1 to 200 characters")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "about"),
+    [
+        (("--storey", "0"), 2, "name a file or a folder with --plan"),
+        (("--plan", "plans"), 1, "The building 'hotel' has no room with an outline or a centre to draw"),
+        (("--plan", "plan.bmp"), 1, "a picture is a file that ends in"),
+        (("--plan", "plan.png", "--storey", "attic"), 1, "There is no storey 'attic'"),
+    ],
+)
+def test_plans_that_cannot_be_drawn(
+    with_hotel: Enfilade, arguments: tuple[str, ...], status: int, about: str, tmp_path: Path
+) -> None:
+    done = with_hotel("show", "hotel", *arguments)
+    assert done.status == status
+    assert about in done.err
+    assert not list(tmp_path.glob("plan*"))

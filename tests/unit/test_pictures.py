@@ -84,16 +84,22 @@ def test_a_plan_a_storey(graph, cloud, tmp_path):
 def test_names_areas_widths_and_stairs_are_written(graph, tmp_path, texts):
     draw_plan(graph, tmp_path / "plan.svg")
     found = texts["plan.svg"]
-    assert {"Room_0", "12.0 m²", "Room_1", "0.90", "up to Room_2", "2 rooms, 26 m²"} <= found
+    assert {"Room_0", "12.0 m²", "Room_1", "up", "Stairs up to Room_2.", "2 rooms, 26.4 m²", "1:50 on A4"} <= found
     draw_plan(graph, tmp_path / "upper.svg", storey="b/s1", title="Above")
-    assert {"Above", "Room_2", "down to Room_0"} <= texts["upper.svg"]
+    assert {"Above", "Upper", "Room_2", "down", "Stairs down to Room_0."} <= texts["upper.svg"]
 
 
-def test_kinds_of_openings_have_their_colours(graph, tmp_path):
-    draw_plan(graph, tmp_path / "plan.svg")
-    drawn = colours(tmp_path / "plan.svg")
-    assert {OPENING_COLOURS["door"], OPENING_COLOURS["stairs"]} <= drawn
+def test_kinds_of_openings_have_their_colours_in_a_match(graph, tmp_path):
+    draw_match(tmp_path / "match.svg", graph, {"a": "b/r0", "b": "b/r1"})
+    drawn = colours(tmp_path / "match.svg")
+    assert OPENING_COLOURS["door"] in drawn
     assert OPENING_COLOURS["passage"] not in drawn
+
+
+def test_a_plan_is_drawn_in_black_and_grey(graph, tmp_path):
+    draw_plan(graph, tmp_path / "plan.svg")
+    drawn = [[int(colour[n : n + 2], 16) for n in (1, 3, 5)] for colour in colours(tmp_path / "plan.svg")]
+    assert all(max(colour) - min(colour) < 32 for colour in drawn)
 
 
 def test_the_same_plan_gives_the_same_bytes(graph, tmp_path):
