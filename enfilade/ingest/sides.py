@@ -52,7 +52,8 @@ class Side:
     normal, offset
         Unit vector into the room; ``normal · x = offset``.
     u, v
-        Unit axes in the plane; `v` is upwards on a wall, and `u` is level.
+        Unit axes; on a wall `v` is straight up, however the wall leans, and `u` is level, so that heights on all
+        walls mean the same, far from the origin too.
     bounds
         ``(u_min, v_min, u_max, v_max)`` metres, along the axes.
     surfels
@@ -80,7 +81,14 @@ class Side:
 
     def point(self, u: float, v: float) -> F64:
         """Return the point of the plane at those coordinates."""
-        return np.asarray(u * self.u + v * self.v + self.offset * self.normal, dtype=np.float64)
+        return np.asarray(self.points(np.array([[u, v]]))[0], dtype=np.float64)
+
+    def points(self, places: F64) -> F64:
+        """Return the ``(n, 3)`` points of the plane at ``(n, 2)`` coordinates."""
+        across = np.cross(self.u, self.v)
+        axes = np.array([self.u, self.v])
+        depth = (self.offset - places @ (axes @ self.normal)) / (across @ self.normal)
+        return np.asarray(places @ axes + depth[:, None] * across, dtype=np.float64)
 
 
 def cut_by_room(surfels: Surfels, planes: Planes, labels: RoomLabels, min_surfels: int) -> list[Patch]:
@@ -135,7 +143,7 @@ def join_patches(patches: list[Patch], surfels: Surfels, *, max_angle_deg: float
 
 
 def axes(normal: F64) -> tuple[F64, F64]:
-    """Return unit axes u, v in the plane of a normal, v as upright as can be and u level."""
+    """Return unit axes u, v of a plane: in it where it is level, else u level in it and v straight up."""
     if abs(normal[2]) > np.cos(np.radians(15.0)):
         u = np.array([1.0, 0.0, 0.0])
         u -= (u @ normal) * normal
@@ -143,7 +151,7 @@ def axes(normal: F64) -> tuple[F64, F64]:
         return u, np.cross(np.sign(normal[2]) * normal, u)
     u = np.cross(UP, normal)
     u /= np.linalg.norm(u)
-    return u, np.cross(normal, u)
+    return u, UP.copy()
 
 
 def _patch(room: int, plane: int, group: I32, surfels: Surfels, planes: Planes) -> Patch:
@@ -168,11 +176,18 @@ def _coplanar(patches: list[Patch], surfels: Surfels, min_cosine: float, max_off
     return groups
 
 
+def _fitted(positions: F64, like: F64) -> F64:
+    """Return the unit normal of the plane through positions, turned as another one is."""
+    _, directions = np.linalg.eigh(np.cov((positions - positions.mean(axis=0)).T))
+    normal = directions[:, 0]
+    return np.asarray(normal * np.sign(normal @ like), dtype=np.float64)
+
+
 def _side(group: list[Patch], surfels: Surfels) -> Side:
     members = np.sort(np.concatenate([patch.surfels for patch in group]))
-    normal = group[0].normal
-    u, v = axes(normal)
     positions = surfels.positions[members].astype(np.float64)
+    normal = group[0].normal if len(group) == 1 else _fitted(positions, group[0].normal)
+    u, v = axes(normal)
     in_plane = positions @ np.column_stack([u, v])
     bounds = np.concatenate([in_plane.min(axis=0), in_plane.max(axis=0)])
     offset = float(np.median(positions @ normal))

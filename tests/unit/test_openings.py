@@ -168,3 +168,34 @@ def test_stairs_in_a_larger_void_are_where_the_upper_treads_are():
     assert stairs.kind == "stairs"
     assert stairs.width < 1.1
     np.testing.assert_allclose(stairs.position[:2], [2.7, 1.0], atol=0.35)
+
+
+def test_a_door_far_from_the_origin_is_where_it_is():
+    """A wall whose plane was fitted a tenth of a degree off is a metre off at the origin, half a kilometre away."""
+    scene = two_rooms(holes=[DOOR])
+    cloud, surfels, planes, labels, rooms = scene.scan(step_deg=1.0)
+    away = np.array([420.0, -310.0, 55.0])
+    tilted = planes.normals + np.array([0.0, 0.002, 0.002], np.float32) * planes.normals[:, :1]
+    tilted /= np.linalg.norm(tilted, axis=1, keepdims=True)
+    moved = [
+        replace(
+            room,
+            floor_elevation=room.floor_elevation + away[2],
+            ceiling_elevation=room.ceiling_elevation + away[2],
+            bounds=room.bounds + np.tile(away, 2),
+            centroid=room.centroid + away,
+        )
+        for room in rooms
+    ]
+    cloud = replace(
+        cloud,
+        positions=(cloud.positions + away).astype(np.float32),
+        scanner_positions=(cloud.scanner_positions + away).astype(np.float32),
+    )
+    surfels = replace(surfels, positions=(surfels.positions + away).astype(np.float32))
+    planes = replace(planes, normals=tilted.astype(np.float32))
+    neighbours = find_neighbours(surfels, planes, labels, tuple(moved))
+    (door,) = find_openings(cloud, surfels, planes, labels, tuple(moved), neighbours)
+    np.testing.assert_allclose(door.position - away, [4.1, 1.45, 1.025], atol=0.05)
+    assert door.sill == pytest.approx(0.0, abs=0.02)
+    assert door.height == pytest.approx(2.05, abs=0.05)

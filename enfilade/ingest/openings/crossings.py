@@ -128,8 +128,7 @@ def _ordered(found: tuple[I32, F32], count: int) -> Meetings:
 def _pieces(side: Side) -> F64:
     """``(n, 3)`` places spread over a side."""
     u, v = (np.linspace(low, high, int(np.ceil((high - low) / PIECE_M)) + 1) for low, high in side.bounds.reshape(2, 2).T)
-    grid = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
-    return np.asarray(grid @ np.array([side.u, side.v]) + side.offset * side.normal, dtype=np.float64)
+    return side.points(np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2))
 
 
 def _cells(places: F64, number: I64, reach: float) -> _Cells:

@@ -69,10 +69,7 @@ def _samples(hole: Hole) -> F64:
     left, bottom, right, top = hole.edges
     share = np.linspace(0.12, 0.88, SAMPLES)
     u, v = np.meshgrid(left + share * (right - left), bottom + share * (top - bottom))
-    side = hole.side
-    return np.asarray(
-        u.ravel()[:, None] * side.u + v.ravel()[:, None] * side.v + side.offset * side.normal, dtype=np.float64
-    )
+    return hole.side.points(np.column_stack([u.ravel(), v.ravel()]))
 
 
 def _keys(positions: F64) -> NDArray[np.int64]:

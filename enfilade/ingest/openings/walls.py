@@ -9,9 +9,11 @@ from typing import Final
 import numpy as np
 
 from enfilade.ingest.openings.leads import Group, interval, through
+from enfilade.ingest.openings.holes import Hole
 from enfilade.ingest.openings.parameters import OpeningParameters
 from enfilade.ingest.openings.rays import Rays
 from enfilade.ingest.records import F64, Bool, Neighbour, Opening, Room
+from enfilade.ingest.sides import Side
 
 SNAP_M: Final = 0.15
 """A hole that begins this close to the floor begins at the floor."""
@@ -19,17 +21,20 @@ SNAP_M: Final = 0.15
 FRAME_M: Final = 0.12
 """Widest door frame."""
 
+LEAST_WALL_M: Final = 0.03
+"""Holes nearer to each other than this are in one face of a wall."""
+
 LINE_M: Final = 0.05
 """Height of the lines across a hole in which frames are looked for."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Doorway:
-    """A group of holes, measured: edges in the axes of its main side, and where and how thick the wall is."""
+    """A group of holes, measured: edges in the axes of its main side, and how far behind it the wall's middle is."""
 
     edges: F64
     bounded: Bool
-    offset: float
+    depth: float
     floor: float
 
 
@@ -68,14 +73,14 @@ def _opening(
     group: Group, rays: Rays, rooms: Mapping[int, Room], gap: float, parameters: OpeningParameters
 ) -> Opening | None:
     pair = [rooms[number] for number in group.pair]
-    doorway = _measure(group, gap, max(room.floor_elevation for room in pair))
+    doorway = _measure(group, rays, gap, max(room.floor_elevation for room in pair))
     left, bottom, right, top = doorway.edges.tolist()
     kind = _kind(doorway, pair, right - left, parameters)
     ray = through(group, rays)
     if kind is None or len(ray) < parameters.min_rays or not all(_reaches(room, bottom, top) for room in pair):
         return None
     side = group.main.side
-    position = (left + right) / 2 * side.u + (bottom + top) / 2 * side.v + doorway.offset * side.normal
+    position = side.point((left + right) / 2, (bottom + top) / 2) - doorway.depth * side.normal
     return Opening(
         kind=kind,
         orientation="horizontal",
@@ -101,16 +106,16 @@ def confidence(group: Group, rays: int, bounded: Bool) -> float:
     return float(np.mean([rays / (rays + 50), bounded.mean(), fill, share]))
 
 
-def _measure(group: Group, gap: float, floor: float) -> _Doorway:
+def _measure(group: Group, rays: Rays, gap: float, floor: float) -> _Doorway:
     side = group.main.side
     edges, bounded = _merge_edges(group)
-    offsets = [float(lead.hole.side.offset * (lead.hole.side.normal @ side.normal)) for lead in group.leads]
-    apart = max(offsets) - min(offsets)
-    offset = (max(offsets) + min(offsets)) / 2 if apart > 0 else side.offset - gap / 2
-    edges = _within_frame(edges, group, max(apart, gap))
+    depths = [float(side.offset - lead.hole.centre @ side.normal) for lead in group.leads]
+    apart = max(depths) - min(depths)
+    depth = (max(depths) + min(depths)) / 2 if apart > LEAST_WALL_M else gap / 2
+    edges = _within_frame(edges, group, rays, max(apart, gap))
     if edges[1] - floor < SNAP_M:
         edges[1], bounded[1] = floor, True
-    return _Doorway(edges, bounded, offset, floor)
+    return _Doorway(edges, bounded, depth, floor)
 
 
 def _merge_edges(group: Group) -> tuple[F64, Bool]:
@@ -130,9 +135,9 @@ def _merge_edges(group: Group) -> tuple[F64, Bool]:
     return np.where(count > 0, mean, outermost), count > 0
 
 
-def _within_frame(edges: F64, group: Group, thickness: float) -> F64:
+def _within_frame(edges: F64, group: Group, rays: Rays, thickness: float) -> F64:
     """Narrow a hole to the clear opening: a door frame stands within the thickness of the wall."""
-    places = [_in_wall(group, index, thickness) for index in range(len(group.leads))]
+    places = [_in_wall(lead.hole, group.main.side, rays, thickness) for lead in group.leads]
     u, v = np.concatenate(places).T
     left, bottom, right, top = edges.tolist()
     upright = (v > bottom + 0.2) & (v < top - 0.2)
@@ -147,11 +152,10 @@ def _within_frame(edges: F64, group: Group, thickness: float) -> F64:
     )
 
 
-def _in_wall(group: Group, index: int, thickness: float) -> F64:
-    """``(k, 2)``: points behind one of the holes that lie within the wall, along the axes of the main side."""
-    hole, frame = group.leads[index].hole, group.main.side
-    end = hole.end[hole.outbound & (hole.beyond < thickness)]
-    return end * [np.sign(frame.u @ hole.side.u), 1.0]
+def _in_wall(hole: Hole, frame: Side, rays: Rays, thickness: float) -> F64:
+    """``(k, 2)``: points behind a hole that lie within the wall, along the axes of another side."""
+    ray = hole.ray[hole.outbound & (hole.beyond < thickness)]
+    return rays.ends(ray) @ np.column_stack([frame.u, frame.v])
 
 
 def _inner(edge: float, along: F64, across: F64) -> float:
