@@ -42,7 +42,9 @@ class GlimpseParameters:
         Shares of its floor that have something above, of which a scanner on the other side of the door sees little,
         and that have a wall behind.
     link_m
-        Floor closer than this with no wall between is of one room.
+        Floor closer than this in plan with no wall between is of one room.
+    furniture_m
+        What looks like floor up to this height over other floor is the top of furniture.
     take_m
         Surfels this close to its floor in plan, with nothing between, are of the room.
     close_doors_m
@@ -56,6 +58,7 @@ class GlimpseParameters:
     least_roofed: float = 0.15
     least_walled: float = 0.7
     link_m: float = 0.5
+    furniture_m: float = 1.3
     take_m: float = 1.0
     close_doors_m: float = 2.4
 
@@ -101,9 +104,10 @@ def add_glimpsed_rooms(
 
 
 def _floor(surfels: Surfels, planes: Planes, labels: RoomLabels, cell_m: float) -> I64:
-    """``(n,)``: one surfel a cell of the level planes that face up and lie in no room."""
+    """``(n,)``: one surfel a cell of the level planes that face up, lie in no room and were seen from one."""
     upward = np.append(planes.horizontal & (planes.normals[:, 2] > 0.0), False)
-    floor = np.flatnonzero((labels.after < 0) & upward[planes.surfel_plane])
+    seen_from_inside = labels.scan_room[surfels.scan] >= 0
+    floor = np.flatnonzero((labels.after < 0) & upward[planes.surfel_plane] & seen_from_inside)
     if not len(floor):
         return floor
     in_plan = surfels.positions[floor] * np.array([1.0, 1.0, 0.0], np.float32)
@@ -133,9 +137,10 @@ def _find_glimpses(
 
 
 def _linked(places: F32, structure: Structure, parameters: GlimpseParameters) -> I32:
-    """``(n,)`` component of each place: of one are those close together with no wall between."""
+    """``(n,)`` component of each place: of one are those close together in plan with no wall between, tables too."""
     eye = parameters.eye_m * _UP
-    pairs = cKDTree(places).query_pairs(parameters.link_m, output_type="ndarray")
+    flat = places * np.array([1.0, 1.0, parameters.link_m / parameters.furniture_m], np.float32)
+    pairs = cKDTree(flat).query_pairs(parameters.link_m, output_type="ndarray")
     free = ~structure.blocked(places[pairs[:, 0]] + eye, places[pairs[:, 1]] + eye)
     links = sparse.coo_array((np.ones(free.sum(), np.int8), tuple(pairs[free].T)), shape=(len(places), len(places)))
     return np.asarray(sparse.csgraph.connected_components(links, directed=False)[1], np.int32)

@@ -17,10 +17,12 @@ from numpy.typing import NDArray
 
 from .records import F32, F64, I32, Bool, Groups, Planes
 from .sight import SightParameters, Views, compare_views
-from .structure import Structure
+from .structure import Hits, Structure
 
 I64 = NDArray[np.int64]
 _LEVEL: Final = 0.7
+_OVERHEAD: Final = 0.25
+"""What faces down by so much, even a steep roof, is overhead."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +40,9 @@ class GroupParameters:
         Share of the boundary between two scans that must be open.
     doubtful_open
         A scan this open to another room does not vote on where rooms end.
+    least_roofed
+        Share of the directions upwards in which a scan inside a building meets a ceiling or a roof. Those of fewer
+        stood outside; if all do, none looked up.
     storey_gap_m
         Scanners more than this apart in height, with none between, are numbered as different storeys.
     sight
@@ -48,6 +53,7 @@ class GroupParameters:
     headroom_m: float = 1.1
     least_open: float = 0.55
     doubtful_open: float = 0.48
+    least_roofed: float = 0.3
     storey_gap_m: float = 1.2
     sight: SightParameters = field(default_factory=SightParameters)
 
@@ -58,7 +64,7 @@ def group_scans(
     given: Mapping[int, str] | None = None,
     parameters: GroupParameters = GroupParameters(),
 ) -> Groups:
-    """Find which scans share a room; rooms are numbered from below, then along x and y.
+    """Find which scans share a room; rooms are numbered from below, then along x and y, and outside is none.
 
     Parameters
     ----------
@@ -74,12 +80,30 @@ def group_scans(
     lifted = scanner_positions.copy()
     rise = _clearance(structure, planes, scanner_positions, 1.0) - parameters.below_ceiling_m
     lifted[:, 2] += np.clip(rise, 0.0, parameters.headroom_m)
-    views = compare_views(structure, planes, scanner_positions, lifted, parameters.sight)
-    group = _joined(len(lifted), views, parameters.least_open)
-    group = _overridden(group, given or {}, scanner_positions)
-    scan_room = _numbered(group, scanner_positions.astype(np.float64), parameters.storey_gap_m)
+    inside = _inside(structure, planes, scanner_positions, given or {}, parameters.least_roofed)
+    scanners = scanner_positions[inside]
+    views = compare_views(structure, planes, scanners, lifted[inside], parameters.sight)
+    group = _joined(len(inside), views, parameters.least_open)
+    rank = {int(scan): place for place, scan in enumerate(inside)}
+    group = _overridden(group, {rank[scan]: room for scan, room in (given or {}).items()}, scanners)
+    own = _numbered(group, scanners.astype(np.float64), parameters.storey_gap_m)
+    scan_room, votes = np.full(len(lifted), -1, np.int32), np.zeros(len(lifted), bool)
+    scan_room[inside], votes[inside] = own, _votes(own, views, parameters.doubtful_open)
     floors = (scanner_positions[:, 2] - _clearance(structure, planes, scanner_positions, -1.0)).astype(np.float32)
-    return Groups(scan_room, lifted, floors, _votes(scan_room, views, parameters.doubtful_open))
+    return Groups(scan_room, lifted, floors, votes)
+
+
+def _inside(
+    structure: Structure, planes: Planes, scanners: F32, given: Mapping[int, str], least_roofed: float
+) -> I64:
+    """Scans under a roof, or in a room that the user named; all scans where none is under a roof."""
+    hits, cone = _cone(structure, scanners, 1.0)
+    roof = hits.front & (np.append(planes.normals[:, 2], 0.0)[hits.plane] < -_OVERHEAD)
+    roofed = roof.reshape(-1, len(cone)).mean(axis=1) >= least_roofed
+    if not roofed.any():
+        return np.arange(len(scanners))
+    roofed[list(given)] = True
+    return np.flatnonzero(roofed)
 
 
 def _joined(count: int, views: Views, least_open: float) -> I64:
@@ -116,17 +140,23 @@ def _clearance(structure: Structure, planes: Planes, scanners: F32, sign: float)
     It is the lower quartile of the level faces that rays in three cones meet, so that a skylight over the scanner or
     a stair well under it is not taken for the whole ceiling or floor.
     """
-    azimuth = 2.0 * np.pi * np.arange(24) / 24.0
-    tilt = np.tile([0.1, 0.4, 0.8], 8)
-    cone = np.stack([np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), sign * np.cos(tilt)], axis=1)
-    directions = np.tile(cone.astype(np.float32), (len(scanners), 1))
-    hits = structure.cast(np.repeat(scanners, len(cone), axis=0), directions)
+    hits, cone = _cone(structure, scanners, sign)
+    directions = np.tile(cone, (len(scanners), 1))
     facing = hits.front & (sign * np.append(planes.normals[:, 2], 0.0)[hits.plane] < -_LEVEL)
     height = np.where(facing, hits.distance * np.abs(directions[:, 2]), np.nan).reshape(len(scanners), -1)
     seen = np.isfinite(height).any(axis=1)
     clearance = np.full(len(scanners), np.inf, np.float32)
     clearance[seen] = np.nanquantile(height[seen], 0.25, axis=1)
     return clearance
+
+
+def _cone(structure: Structure, scanners: F32, sign: float) -> tuple[Hits, F32]:
+    """What 24 rays up or down from each scanner meet, one scanner after the other, and their directions ``(24, 3)``."""
+    azimuth = 2.0 * np.pi * np.arange(24) / 24.0
+    tilt = np.tile([0.1, 0.4, 0.8], 8)
+    rays = np.stack([np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), sign * np.cos(tilt)], axis=1)
+    cone = rays.astype(np.float32)
+    return structure.cast(np.repeat(scanners, len(cone), axis=0), np.tile(cone, (len(scanners), 1))), cone
 
 
 def _overridden(group: I64, rooms: Mapping[int, str], scanners: F32) -> I64:

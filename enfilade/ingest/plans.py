@@ -14,6 +14,7 @@ from .structure import Structure
 
 I64 = NDArray[np.int64]
 _ABOVE_FLOOR_M: Final = 0.05
+_ONE_LEVEL_M: Final = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,6 +23,9 @@ class RoomPlanParameters:
 
     Attributes
     ----------
+    least_floor, furniture_m
+        A level plane with so much of the surface of the largest one, and at most so far below it, is the floor and the
+        largest one furniture.
     least_height_m
         A ceiling is at least so far above the floor.
     lintel_m
@@ -32,6 +36,8 @@ class RoomPlanParameters:
         How outlines are drawn.
     """
 
+    least_floor: float = 0.2
+    furniture_m: float = 1.2
     least_height_m: float = 1.5
     lintel_m: float = 0.35
     least_ceiling: float = 0.5
@@ -86,7 +92,7 @@ def draw_plans(
 
 
 def _plan(parts: _Parts, planes: Planes, scanners: F32, parameters: RoomPlanParameters) -> Plan:
-    floor = _floor(planes, parts, scanners)
+    floor = _floor(planes, parts, scanners, parameters)
     on_floor = parts.positions[parts.plane == floor, 2] if floor >= 0 else parts.positions[:, 2].min(keepdims=True)
     elevation = float(on_floor.mean(dtype=np.float64))
     ceiling = _ceiling(planes, parts, elevation + parameters.least_height_m)
@@ -99,12 +105,26 @@ def _on(kind: Bool, plane: I32) -> Bool:
     return np.asarray((plane >= 0) & np.append(kind, False)[plane])
 
 
-def _floor(planes: Planes, parts: _Parts, scanners: F32) -> int:
-    """Plane that holds most of the room's floor (Eq. 7), of those below its scanners if it has any; -1 for none."""
+def _floor(planes: Planes, parts: _Parts, scanners: F32, parameters: RoomPlanParameters) -> int:
+    """Plane that holds most of the room's floor (Eq. 7), of those below its scanners if it has any; -1 for none.
+
+    A bed or a table that hides most of the floor holds more points than what is left of it, so a lower plane of some
+    size goes before it.
+    """
     upward = _on(planes.horizontal & (planes.normals[:, 2] > 0.0), parts.plane)
     if len(scanners):
         upward &= parts.positions[:, 2] < scanners[:, 2].min()
-    return int(np.argmax(np.bincount(parts.plane[upward]))) if upward.any() else -1
+    if not upward.any():
+        return -1
+    plane, height = parts.plane[upward], parts.positions[upward, 2]
+    size = np.bincount(plane)
+    level = np.bincount(plane, height) / np.maximum(size, 1)
+    largest = np.argmax(size)
+    rises = level[largest] - level
+    below = (size >= parameters.least_floor * size[largest]) & (rises < parameters.furniture_m)
+    lowest = level[below].min()
+    same = below & (level < lowest + _ONE_LEVEL_M)
+    return int(np.argmax(np.where(same, size, 0)))
 
 
 def _ceiling(planes: Planes, parts: _Parts, lowest: float) -> float | None:

@@ -181,7 +181,7 @@ class Groups:
     Attributes
     ----------
     scan_room
-        ``(S,) int32`` room of each scan.
+        ``(S,) int32`` room of each scan, -1 for those that stood outside.
     viewpoints
         ``(S, 3) float32``, metres: the scanners lifted to just below the ceiling, where lintels close the doors.
     floors

@@ -119,11 +119,16 @@ def label_rooms(
     heights = starts[middles, 2] + parameters.below_floor_m
     while True:
         before = scan_room[surfels.scan]
+        count = int(scan_room.max()) + 1
+        # The last label is no room, but the outside.
+        label_of_scan = np.where(scan_room < 0, count, scan_room)
         allowed_from = _lowest_floors(groups.floors, scan_room)
-        label, agreement = _diffuse(transition, viewers, scan_room, heights, allowed_from, parameters.iterations)
+        initial = _initial_labels(viewers, label_of_scan, count)
+        label, agreement = _diffuse(transition, initial, heights, allowed_from, parameters.iterations)
         after = label[nodes.of_surfel]
         after = np.where(after >= 0, after, before).astype(np.int32)
-        size = np.bincount(after, minlength=int(scan_room.max()) + 1)
+        after[after == count] = -1
+        size = np.bincount(after[after >= 0], minlength=count)
         lost = np.flatnonzero(size < parameters.least_surfels)
         if len(lost) in (0, len(size)):
             return RoomLabels(before, after, agreement[nodes.of_surfel], scan_room, len(size))
@@ -132,10 +137,11 @@ def label_rooms(
 
 def _absorbed(scan_room: I32, before: I32, after: I32, lost: np.intp) -> I32:
     """Rooms of the scans after a room that lost nearly all its surfels is joined to the one that got most of them."""
-    winners = np.bincount(after[before == lost], minlength=int(scan_room.max()) + 1)
+    winners = np.bincount(after[(before == lost) & (after >= 0)], minlength=int(scan_room.max()) + 1)
     winners[lost] = -1
-    joined = np.where(scan_room == lost, np.argmax(winners), scan_room)
-    return np.unique(joined, return_inverse=True)[1].astype(np.int32)
+    winner = np.argmax(winners) if winners.max() > 0 else -1
+    joined = np.where(scan_room == lost, winner, scan_room)
+    return (joined - (joined > lost)).astype(np.int32)
 
 
 def gather_nodes(surfels: Surfels, planes: Planes, node_m: float) -> Nodes:
@@ -265,8 +271,8 @@ def _turned(directions: F32, normals: F32) -> F32:
 def _viewers(
     structure: Structure, starts: F32, normals: F32, groups: Groups, parameters: RoomParameters
 ) -> sparse.csr_array:
-    """``(nodes, S)``: 1 where the viewpoint of a scan that votes sees a node from its front."""
-    voting = np.flatnonzero(groups.votes)
+    """``(nodes, S)``: 1 where the viewpoint of a scan that votes, or stood outside, sees a node from its front."""
+    voting = np.flatnonzero(groups.votes | (groups.scan_room < 0))
     viewpoints = groups.viewpoints[voting]
     count = min(parameters.viewpoints, len(voting))
     nearest = cKDTree(viewpoints).query(starts, k=count, distance_upper_bound=parameters.view_m)[1]
@@ -281,25 +287,21 @@ def _viewers(
 
 
 def _lowest_floors(floors: F32, scan_room: I32) -> F32:
-    """``(R,)`` the lowest floor under a scanner of each room."""
-    lowest = np.full(int(scan_room.max()) + 1, np.inf, np.float32)
-    np.minimum.at(lowest, scan_room, floors)
+    """``(R + 1,)`` the lowest floor under a scanner of each room; there is none for the outside."""
+    lowest = np.full(int(scan_room.max()) + 2, np.inf, np.float32)
+    inside = scan_room >= 0
+    np.minimum.at(lowest, scan_room[inside], floors[inside])
+    lowest[-1] = -np.inf
     return lowest
 
 
 def _diffuse(
-    transition: sparse.csr_array,
-    viewers: sparse.csr_array,
-    scan_room: I32,
-    heights: F32,
-    floors: F32,
-    iterations: int,
+    transition: sparse.csr_array, initial: sparse.csc_array, heights: F32, floors: F32, iterations: int
 ) -> tuple[I32, F32]:
-    """Label of each node by Eq. 5 and the label's share of the sum; rooms are taken a few at a time.
+    """Label of each node by Eq. 5, from L_0, and the label's share of the sum; rooms are taken a few at a time.
 
     What lies below a room's floor is not of the room, however well it is seen from a gallery or down the stairs.
     """
-    initial = _initial_labels(viewers, scan_room)
     count = transition.shape[0]
     best, total = np.zeros(count, np.float32), np.zeros(count, np.float32)
     label = np.full(count, -1, np.int32)
@@ -320,10 +322,18 @@ def _diffuse(
     return label, np.divide(best, total, out=np.zeros_like(best), where=total > 0.0)
 
 
-def _initial_labels(viewers: sparse.csr_array, scan_room: I32) -> sparse.csc_array:
-    """L_0 (Eq. 2): the share of each room among the viewpoints that see a node."""
-    scans = np.arange(len(scan_room))
-    rooms = sparse.csr_array((np.ones(len(scans), np.float32), (scans, scan_room)))
-    seen = np.asarray(viewers.sum(axis=1), np.float32)
-    share = np.divide(1.0, seen, out=np.zeros_like(seen), where=seen > 0.0)
-    return sparse.csc_array(sparse.diags_array(share) @ viewers @ rooms)
+def _initial_labels(viewers: sparse.csr_array, label_of_scan: I64, outside: int) -> sparse.csc_array:
+    """L_0 (Eq. 2): the share of each room among the viewpoints that see a node.
+
+    Scans outside say `outside` where no scan inside looks: through windows they see rooms, too.
+    """
+    scans = np.arange(len(label_of_scan))
+    ones = np.ones(len(scans), np.float32)
+    rooms = sparse.csr_array((ones, (scans, label_of_scan)), shape=(len(scans), outside + 1))
+    seen = sparse.coo_array(viewers @ rooms)
+    node, label = seen.coords
+    total = np.bincount(node[label < outside], seen.data[label < outside], minlength=viewers.shape[0])
+    counts = (label < outside) | (total[node] == 0)
+    node, label, votes = node[counts], label[counts], seen.data[counts]
+    share = votes / np.bincount(node, votes, minlength=viewers.shape[0])[node]
+    return sparse.csc_array((share.astype(np.float32), (node, label)), shape=seen.shape)

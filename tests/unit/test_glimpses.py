@@ -45,25 +45,39 @@ def test_what_an_open_door_shows_is_a_room_though_no_scan_stands_in_it() -> None
     assert found.scan_room.tolist() == [0]
 
 
-def without(part: Scan, gone: np.ndarray) -> Scan:
-    return replace(part, positions=part.positions[~gone])
+def points_of(part: Scan) -> np.ndarray:
+    return np.concatenate([chunk.positions for chunk in part.chunks])
+
+
+def made_of(points: np.ndarray, part: Scan) -> Scan:
+    return Scan.of_points(part.name, part.source, points, part.scanner_position)
 
 
 def test_ground_seen_through_a_door_is_no_room_for_it_has_neither_roof_nor_walls() -> None:
     seen = scan(LEFT, [LEFT, BEHIND], DOOR)
-    ground_only = without(seen, (seen.positions[:, 0] > 4.3) & (seen.positions[:, 2] > 0.1))
+    points = points_of(seen)
+    ground_only = made_of(points[(points[:, 0] < 4.3) | (points[:, 2] < 0.1)], seen)
     surfels, planes, labels, scanners = labelled([ground_only])
     assert add_glimpsed_rooms(surfels, planes, labels, scanners).room_count == 1
 
 
 def test_a_roof_alone_makes_no_room() -> None:
     seen = scan(LEFT, [LEFT, BEHIND], DOOR)
-    x, z = seen.positions[:, 0], seen.positions[:, 2]
+    points = points_of(seen)
     roof = np.stack(np.meshgrid(np.arange(4.2, 9.0, 0.02), np.arange(-1.0, 4.0, 0.02), [2.6]), -1).reshape(-1, 3)
-    kept = seen.positions[~((x > 4.3) & (z > 0.1))]
-    canopy = replace(seen, positions=np.concatenate([kept, roof]))
+    kept = points[(points[:, 0] < 4.3) | (points[:, 2] < 0.1)]
+    canopy = made_of(np.concatenate([kept, roof]), seen)
     surfels, planes, labels, scanners = labelled([canopy])
     assert add_glimpsed_rooms(surfels, planes, labels, scanners).room_count == 1
+
+
+def test_the_top_of_a_table_is_no_room_over_the_room() -> None:
+    seen = scan(LEFT, [LEFT, BEHIND], DOOR)
+    top = np.stack(np.meshgrid(np.arange(5.0, 6.4, 0.02), np.arange(1.0, 2.2, 0.02), [0.75]), -1).reshape(-1, 3)
+    surfels, planes, labels, scanners = labelled([made_of(np.concatenate([points_of(seen), top]), seen)])
+    found = add_glimpsed_rooms(surfels, planes, labels, scanners)
+    assert found.room_count == 2
+    assert (found.after[np.abs(surfels.positions[:, 2] - 0.75) < 0.02][-200:] == 1).any()
 
 
 def test_too_little_floor_makes_no_room() -> None:

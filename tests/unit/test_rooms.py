@@ -151,3 +151,53 @@ def test_what_lies_outside_the_plan_is_of_no_room(two_rooms: Building) -> None:
     middle_of_left = two_rooms.surfels.positions[:, 0] < 3.0
     assert (kept.after[middle_of_left] != 1).all()
     assert (keep_inside(two_rooms.surfels, two_rooms.labels, plans).after >= 0).mean() > 0.999
+
+
+def grid(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> np.ndarray:
+    """Points every 2 cm on a rectangle: one of the three ranges is a single value."""
+    steps = [np.arange(low, high, 0.02) if high > low else np.array([low]) for low, high in (x, y, z)]
+    points = np.stack(np.meshgrid(*steps, indexing="ij"), axis=-1).reshape(-1, 3)
+    return points + np.random.default_rng(5).normal(0.0, 1e-3, points.shape)
+
+
+def test_a_scan_that_stood_outside_has_no_room_and_its_facade_and_ground_are_of_none() -> None:
+    facade = grid((-0.35, -0.35), (-1.0, 4.0), (0.0, 3.0))
+    ground = grid((-6.0, -0.4), (-1.0, 4.0), (-0.2, -0.2))
+    garden = Scan.of_points("garden", "boxes.e57", np.concatenate([facade, ground]), np.array([-3.0, 1.5, 1.4]))
+    building = build([*scans(DOOR), garden])
+    assert building.cloud.scan_names[-1] == "garden"
+    assert building.groups.scan_room.tolist() == [0, 1, -1]
+    assert building.labels.room_count == 2
+    outside = building.surfels.positions[:, 0] < -0.2
+    assert (building.labels.after[outside] == -1).all()
+    assert (building.labels.after[~outside] >= 0).mean() > 0.99
+
+
+def test_a_scan_outside_is_of_a_room_when_the_user_says_so() -> None:
+    ground = grid((-6.0, -0.4), (-1.0, 4.0), (-0.2, -0.2))
+    cloud = thin([*scans(DOOR), Scan.of_points("terrace", "boxes.e57", ground, np.array([-3.0, 1.5, 1.4]))])
+    planes = find_planes(make_surfels(cloud))
+    assert group_scans(planes, cloud.scanner_positions).scan_room.tolist() == [0, 1, -1]
+    assert (group_scans(planes, cloud.scanner_positions, {2: "terrace"}).scan_room >= 0).all()
+
+
+def test_scans_that_never_looked_up_are_all_inside() -> None:
+    low = [
+        Scan.of_points(s.name, s.source, points[points[:, 2] < 2.3], s.scanner_position)
+        for s in scans(DOOR)
+        for points in [np.concatenate([chunk.positions for chunk in s.chunks])]
+    ]
+    cloud = thin(low)
+    assert (group_scans(find_planes(make_surfels(cloud)), cloud.scanner_positions).scan_room >= 0).all()
+
+
+def test_a_bed_that_hides_most_of_the_floor_is_not_the_floor() -> None:
+    own = scan(LEFT, [LEFT], None)
+    points = np.concatenate([chunk.positions for chunk in own.chunks])
+    under = (points[:, 2] < 0.05) & (points[:, 0] < 2.6)
+    bed = grid((0.05, 2.6), (0.05, 2.95), (0.5, 0.5))
+    building = build(
+        [Scan.of_points(own.name, own.source, np.concatenate([points[~under], bed]), own.scanner_position)]
+    )
+    plan = draw_plans(building.cloud, building.surfels, building.planes, building.labels)[0]
+    assert plan.floor_elevation == pytest.approx(0.0, abs=0.01)
