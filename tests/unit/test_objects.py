@@ -1,5 +1,7 @@
 """What stands in a room becomes segments and combinations; walls, floors and ceilings do not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from box_scene import BoxScene
@@ -8,7 +10,8 @@ from enfilade.descriptors import TOTAL, Layout
 from enfilade.ingest.objects import ObjectParameters, find_objects
 from enfilade.ingest.objects.combinations import combine, find_near
 from enfilade.ingest.objects.segments import connect, without_outliers
-from enfilade.ingest.records import Opening, Planes, Segment
+from enfilade.ingest.objects.sightlines import Sightlines
+from enfilade.ingest.records import Opening, Planes, Segment, ThinnedCloud
 
 LAYOUT = Layout()
 
@@ -258,6 +261,65 @@ def test_a_board_on_a_wall_is_an_object_and_a_skirting_board_is_none():
     skirting.block((3.97, 0.5, 0.05), (3.99, 3.5, 0.15), 0)
     assert len(objects_of(board)[0].segments) == 1
     assert len(objects_of(skirting)[0].segments) == 0
+
+
+def seen_twice(first, second):
+    """One cloud of two scans of one room, as it was at two times."""
+    clouds = [scene.scan()[0] for scene in (first, second)]
+    return ThinnedCloud(
+        np.concatenate([cloud.positions for cloud in clouds]),
+        np.repeat(np.arange(2, dtype=np.int32), [len(cloud.positions) for cloud in clouds]),
+        np.concatenate([cloud.scanner_positions for cloud in clouds]),
+        ("0", "1"),
+        np.zeros(3),
+        1,
+    )
+
+
+def test_what_another_scan_looks_through_is_a_ghost():
+    """A person, who has left when the second scan is made, and a pillar, which stands before both."""
+    times = []
+    for place, thing in (((1.0, 1.0, 1.6), (2.0, 2.6)), ((3.0, 1.0, 1.6), None)):
+        scene = BoxScene()
+        scene.room(0, (0, 0, 0), (4, 4, 2.5))
+        scene.block((3.2, 2.4, 0.0), (3.6, 2.8, 2.0), 0)
+        if thing:
+            scene.block((*thing, 0.0), (thing[0] + 0.4, thing[1] + 0.3, 1.75), 0)
+        scene.scanners = [(place, 0)]
+        times.append(scene)
+    cloud = seen_twice(*times)
+    sightlines = Sightlines(cloud, ObjectParameters())
+    x, y, z = cloud.positions.T
+    upright = (z > 0.1) & (z < 1.7)
+    person = np.flatnonzero(upright & (x > 1.9) & (x < 2.5) & (y > 2.5) & (y < 3.0))
+    pillar = np.flatnonzero(upright & (x > 3.1) & (x < 3.7) & (y > 2.3) & (y < 2.9))
+    assert sightlines.are_a_ghost(person.astype(np.int32))
+    assert not sightlines.are_a_ghost(pillar.astype(np.int32))
+    assert not sightlines.are_a_ghost(pillar[cloud.scan[pillar] == 0].astype(np.int32))
+
+
+def test_an_image_in_a_mirror_is_outside_of_the_room():
+    scene = furnished()
+    scene.block((1.5, 4.8, 0.0), (2.1, 5.4, 1.0), 0)
+    mirror = ((1.0, 0.2), (3.0, 2.2))
+    scene.rectangles = [r for r in scene.rectangles if not (r.axis == 1 and r.at == 4)]
+    scene.add(1, 4.0, (0, 0), (4, 2.5), -1, 0, holes=[mirror])
+    cloud, surfels, planes, labels, (room,) = scene.scan()
+    outline = (np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]),)
+    assert len(find_objects(cloud, surfels, planes, labels, (room,)).segments) == 1
+    assert find_objects(cloud, surfels, planes, labels, (replace(room, outline=outline),)).segments == ()
+
+
+def test_the_leaf_of_an_open_door_is_no_object():
+    scene = BoxScene()
+    scene.room(0, (0, 0, 0), (4, 4, 2.5), holes={"x1": [((1.0, 0.0), (1.9, 2.0))]})
+    scene.block((3.1, 1.9, 0.01), (3.97, 1.94, 1.98), 0)
+    scene.scanners = [((1.5, 1.0, 1.6), 0), ((1.5, 3.0, 1.6), 0)]
+    cloud, surfels, planes, labels, rooms = scene.scan()
+    position, normal = np.array([4.0, 1.45, 1.0]), np.array([-1.0, 0.0, 0.0])
+    door = Opening("door", "horizontal", 0, None, position, normal, 0.9, 2.0, 0.0, 1.8, 0, "open", 0.9)
+    assert len(find_objects(cloud, surfels, planes, labels, rooms).segments) == 1
+    assert find_objects(cloud, surfels, planes, labels, rooms, openings=[door]).segments == ()
 
 
 def test_a_railing_is_no_object():

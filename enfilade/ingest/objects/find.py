@@ -15,6 +15,7 @@ from enfilade.ingest.objects.masks import standing_off
 from enfilade.ingest.objects.parameters import ObjectParameters
 from enfilade.ingest.objects.remains import Remains
 from enfilade.ingest.objects.segments import connect
+from enfilade.ingest.objects.sightlines import Sightlines
 from enfilade.ingest.objects.structure import Structure, find_structure, in_openings
 from enfilade.ingest.objects.terraces import cut_bays, cut_row, split
 from enfilade.ingest.records import (
@@ -76,11 +77,14 @@ def find_objects(
     for opening in openings:
         opening_in[opening.room_a].append(opening)
         opening_in[opening.room_b].append(opening)
+    sightlines = Sightlines(cloud, chosen)
     segments: list[Segment] = []
     for number in sorted(known):
         members = loose_in.get(number, np.zeros(0, dtype=np.int32))
         for group in _groups(cloud, members, known[number], structure, opening_in[number], surfels, chosen):
-            segments.append(_segment(len(segments), known[number], group, cloud.positions[group].astype(np.float64)))
+            if not sightlines.are_a_ghost(group):
+                positions = cloud.positions[group].astype(np.float64)
+                segments.append(_segment(len(segments), known[number], group, positions))
     near = find_near(segments, cloud.positions, chosen)
     groups = combine(near, segments, chosen)
     described = tuple(describe_all(groups, segments, cloud.positions, known, layout))
@@ -116,7 +120,7 @@ def _groups(
 ) -> Iterator[I32]:
     """Split the loose points of a room into those of its segments."""
     positions = cloud.positions[members].astype(np.float64)
-    remains = Remains(room, structure.flights, parameters)
+    remains = Remains(room, openings, structure.flights, parameters)
     surfel = surfels.point_surfel[members]
     sides = _with_depth(structure, room, parameters)
     off = standing_off(positions, surfel < 0, sides, surfels, parameters.max_relief_m)

@@ -31,6 +31,8 @@ class ObjectParameters:
         Flat things on walls are at least so wide and high, and fill so much of their rectangle.
     max_leaf_m, min_leaf_m
         What is set back into a wall and is narrower and higher than this is the leaf of a door.
+    max_leaf_thickness_m, max_hinge_m
+        An open leaf is thinner, with its handles, and so near to the jamb and the lintel of its door.
     max_railing_m, min_railing_m
         What is thinner than the first, longer than the second and stands on the floor is a railing or a low wall.
     max_riser_m, handrail_m
@@ -46,7 +48,7 @@ class ObjectParameters:
     min_headroom_m
         Downward planes this far above the floor are ceiling.
     min_platform_m2
-        Upward planes of this area are floor at any height; no bed or table is so large.
+        Upward planes of this area in one piece are floor at any height; no bed or table is so large.
     min_slope_m2
         Oblique planes of this area are roof or ramp.
     min_incidence_deg
@@ -59,6 +61,9 @@ class ObjectParameters:
         Points closer than this belong to one segment; the second for those too sparse for surfels.
     min_extent_m, min_voxels
         Smallest segment.
+    min_behind_m, min_seen_through
+        A ray that ends so far behind a thing went through it; what rays of another scan go through in more than this
+        share is no thing.
     plan_cell_m, max_step_m
         Cells of the plan that one sees from above, and the greatest step between two of one terrace.
     min_surface_m
@@ -98,6 +103,8 @@ class ObjectParameters:
     min_fill: float = 0.6
     max_leaf_m: float = 1.15
     min_leaf_m: float = 1.8
+    max_leaf_thickness_m: float = 0.14
+    max_hinge_m: float = 0.3
     max_railing_m: float = 0.25
     min_railing_m: float = 1.5
     max_riser_m: float = 0.4
@@ -107,7 +114,7 @@ class ObjectParameters:
     ceiling_reach_m: float = 0.25
     floor_reach_m: float = 0.1
     min_headroom_m: float = 1.9
-    min_platform_m2: float = 5.0
+    min_platform_m2: float = 8.0
     min_slope_m2: float = 1.5
     min_incidence_deg: float = 8.0
     outlier_neighbours: int = 8
@@ -117,6 +124,8 @@ class ObjectParameters:
     sparse_link_m: float = 0.12
     min_extent_m: float = 0.15
     min_voxels: int = 25
+    min_behind_m: float = 0.15
+    min_seen_through: float = 0.6
     plan_cell_m: float = 0.05
     max_step_m: float = 0.06
     max_stage_m: float = 0.45

@@ -11,7 +11,7 @@ import shapely
 
 from enfilade.ingest.objects.parameters import ObjectParameters
 from enfilade.ingest.objects.stairs import Flight
-from enfilade.ingest.records import F64, Bool, Room
+from enfilade.ingest.records import F64, Bool, Opening, Room
 
 CELL_M: Final = 0.05
 MOST: Final = 0.8
@@ -26,6 +26,8 @@ class Remains:
     ----------
     room
         The room.
+    openings
+        Of the room.
     flights
         Stairs of the building.
     parameters
@@ -33,6 +35,7 @@ class Remains:
     """
 
     room: Room
+    openings: Sequence[Opening]
     flights: Sequence[Flight]
     parameters: ObjectParameters
 
@@ -60,6 +63,7 @@ class Remains:
             or self._beside_stairs(points)
             or self._is_railing(points)
             or self._is_line(points)
+            or self._is_leaf(points)
             or self._is_soffit(points)
         )
 
@@ -85,6 +89,24 @@ class Remains:
         bottom, top = np.quantile(points[:, 2], (0.02, 0.98)) - self.room.floor_elevation
         low = bottom < 2 * self.parameters.floor_reach_m and top < self.parameters.handrail_m
         return bool(low and length > self.parameters.min_railing_m and thickness < self.parameters.max_railing_m)
+
+    def _is_leaf(self, points: F64) -> bool:
+        """Whether it is the leaf of a door that stands open: thin, as high as the door, hung on one of its jambs."""
+        bottom, top = np.quantile(points[:, 2], (0.02, 0.98)) - self.room.floor_elevation
+        along = _along(points)
+        length, thickness = np.ptp(np.quantile(along, (0.05, 0.95), axis=0), axis=0)
+        if thickness > self.parameters.max_leaf_thickness_m or top - bottom < self.parameters.min_leaf_m / 2:
+            return False
+        ends = points[[along[:, 0].argmin(), along[:, 0].argmax()], :2]
+        for opening in self.openings:
+            if opening.kind == "door" and opening.orientation == "horizontal":
+                sideways = np.array([-opening.normal[1], opening.normal[0]]) * opening.width / 2
+                jambs = opening.position[:2] + np.array([sideways, -sideways])
+                hung = np.linalg.norm(ends[:, None] - jambs, axis=2).min() < self.parameters.max_hinge_m
+                high = abs(top - opening.sill - opening.height) < self.parameters.max_hinge_m
+                if hung and high and length < opening.width + 2 * self.parameters.frame_m:
+                    return True
+        return False
 
     def _is_line(self, points: F64) -> bool:
         """Whether it is a mere line: the edge of something that was seen along its face."""

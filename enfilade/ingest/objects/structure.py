@@ -172,14 +172,22 @@ def _is_level(side: Side, room: Room, surfels: Surfels, parameters: ObjectParame
     """Whether a side that is no wall is a floor, a ceiling, a roof or a ramp."""
     positions = surfels.positions[side.surfels].astype(np.float64)
     height = float(positions[:, 2].mean()) - room.floor_elevation
-    area = (
-        len(np.unique(np.floor(positions @ np.column_stack([side.u, side.v]) / AREA_CELL_M), axis=0)) * AREA_CELL_M**2
-    )
-    if not side.horizontal:
-        return area > parameters.min_slope_m2
-    if side.normal[2] < 0:
+    if side.horizontal and side.normal[2] < 0:
         return height > parameters.min_headroom_m
-    return abs(height) < parameters.floor_reach_m or area > parameters.min_platform_m2
+    if side.horizontal and abs(height) < parameters.floor_reach_m:
+        return True
+    least = parameters.min_platform_m2 if side.horizontal else parameters.min_slope_m2
+    return _largest_piece(positions @ np.column_stack([side.u, side.v])) > least
+
+
+def _largest_piece(places: F64) -> float:
+    """Area of the largest piece that hangs together, m²: many tables as high as one another are no floor."""
+    cell = np.floor(places / AREA_CELL_M).astype(np.int64)
+    cell -= cell.min(axis=0)
+    cells = np.zeros(cell.max(axis=0) + 1, dtype=bool)
+    cells[tuple(cell.T)] = True
+    number, count = ndimage.label(cells, np.ones((3, 3)))
+    return float(np.bincount(number[cells], minlength=count + 1).max()) * AREA_CELL_M**2
 
 
 def _reaches_ceiling(side: Side, ceiling: _CeilingMap, surfels: Surfels, parameters: ObjectParameters) -> bool:
