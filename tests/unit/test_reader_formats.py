@@ -8,11 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-from enfilade.errors import InputError
-from enfilade.ingest.readers import ReadingParameters, read_scans
-from enfilade.ingest.records import Chunk, Scan
-
 from scan_writers import (
     Station,
     write_e57,
@@ -22,6 +17,10 @@ from scan_writers import (
     write_positions,
     write_ptx,
 )
+
+from enfilade.errors import InputError
+from enfilade.ingest.readers import ReadingParameters, read_scans
+from enfilade.ingest.records import Chunk, Scan
 
 RNG = np.random.default_rng(0)
 PLACE = np.array([10.0, -4.0, 1.5])

@@ -25,7 +25,7 @@ _NADIR: Final = 0.94
 _SCANNER_M, _SCANNER_SPREAD = 1.6, 0.35
 _ROOM_M, _LOWER_SPREAD, _HIGHER_SPREAD = 2.8, 0.3, 0.8
 _WORST: Final = -8.0
-_BLIND_CONE: Final = 2.0
+_BLIND_CONE: Final = 6.0
 _DEFAULT_LEAD: Final = 4.0
 
 
@@ -159,7 +159,7 @@ def _look(sample: F64, axis: int) -> _Look | None:
 def _likelihood(looks: dict[str, list[_Look | None]], unit: str, axis: str) -> float:
     """Log likelihood of the scanners' heights and of their blind cones."""
     (other,) = (name for name in looks if name != axis)
-    total = 0.0
+    total, seen, blind = 0.0, 0, 0
     for look, across in zip(looks[axis], looks[other], strict=True):
         if look is None:
             continue
@@ -168,9 +168,9 @@ def _likelihood(looks: dict[str, list[_Look | None]], unit: str, axis: str) -> f
         if look.rise > 0.0:
             over = np.log((look.drop + look.rise) * metres / _ROOM_M)
             total += max(-0.5 * (over / (_HIGHER_SPREAD if over > 0.0 else _LOWER_SPREAD)) ** 2, _WORST)
-        if across is not None and look.is_blind and not across.is_blind:
-            total += _BLIND_CONE
-    return float(total)
+        seen += 1
+        blind += across is not None and look.is_blind and not across.is_blind
+    return float(total) + _BLIND_CONE * blind / max(seen, 1)
 
 
 def _tell(frame: Frame, units: str, up: str, say: Callable[[str], None]) -> None:

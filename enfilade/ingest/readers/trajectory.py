@@ -26,6 +26,7 @@ _ADJUSTED_S: Final = 1e9
 _GAP_S: Final = 1.0
 _MOST_STATIONS: Final = 20_000
 _ROWS: Final = 1 << 16
+_STEP: Final = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,29 +152,38 @@ def _columns(head: bytes, path: Path) -> list[int] | None:
 def _places(way: NDArray[np.float64], spacing: float, most: int) -> tuple[I32, int]:
     """Number of the place at each moment, and how many places there are (`most` + 1 if more than that).
 
-    A place is a ball around where the scanner was when it first was far from all others.
+    There is a place wherever the scanner was far from all places before; each moment belongs to the nearest.
     """
     place = np.zeros(len(way), np.int32)
     centres = np.empty((most, 3))
     count, here = 0, 0
     for i in range(len(way)):
         if count > 0 and _apart(way[i], centres[here]) <= spacing:
-            place[i] = here
             continue
-        best, least = -1, spacing
-        for other in range(count):
-            distance = _apart(way[i], centres[other])
-            if distance <= least:
-                best, least = other, distance
-        if best < 0:
+        here = _nearest(way[i], centres, count)
+        if count == 0 or _apart(way[i], centres[here]) > spacing:
             if count == most:
                 return place, most + 1
             centres[count] = way[i]
-            best = count
+            here = count
             count += 1
-        here = best
+    looked = 0
+    for i in range(len(way)):
+        if i == 0 or _apart(way[i], way[looked]) > _STEP * spacing:
+            here = _nearest(way[i], centres, count)
+            looked = i
         place[i] = here
     return place, count
+
+
+@njit(cache=True, nogil=True)
+def _nearest(point: NDArray[np.float64], centres: NDArray[np.float64], count: int) -> int:
+    best, least = 0, np.inf
+    for other in range(count):
+        distance = _apart(point, centres[other])
+        if distance < least:
+            best, least = other, distance
+    return best
 
 
 @njit(cache=True, nogil=True)
