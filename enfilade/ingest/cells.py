@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numba import njit
@@ -13,6 +14,7 @@ from enfilade.errors import InputError
 from .records import F32, F64, I32, Bool
 
 I64 = NDArray[np.int64]
+_SORTABLE_BITS: Final = 63
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,10 +60,7 @@ class CellGrid:
         if self.size * layers >= 2**63:
             raise InputError("the points are spread too wide for one building: remove stray points, check the units")
         key = np.zeros(len(positions), np.int64) if layer is None else layer.astype(np.int64)
-        for axis in range(3):
-            index = np.floor(positions[:, axis].astype(np.float64) / self.cell_m).astype(np.int64)
-            key *= self.shape[axis]
-            key += index - self.lowest[axis]
+        _add_cells(key, positions, self.lowest, self.shape, self.cell_m)
         return key
 
     def row_offsets(self) -> I64:
@@ -92,6 +91,74 @@ def tile_rectangles(cells: Bool) -> I64:
     begins[1:] = (np.diff(row) != 1) | (np.diff(first) != 0) | (np.diff(past) != 0)
     ends = np.roll(begins, -1)
     return np.stack([row[begins], row[ends] + 1, first[begins], past[begins]], axis=1)
+
+
+@njit(cache=True, nogil=True)
+def _add_cells(keys: I64, positions: F32, lowest: I64, shape: I64, cell_m: float) -> None:
+    """Put the cell of each position behind what its key holds already."""
+    for i in range(len(keys)):
+        for axis in range(3):
+            index = np.int64(np.floor(np.float64(positions[i, axis]) / cell_m))
+            keys[i] = keys[i] * shape[axis] + index - lowest[axis]
+
+
+@dataclass(frozen=True, slots=True)
+class Gathered:
+    """What has equal keys, brought together: group g has ``order[bounds[g]:bounds[g + 1]]``, in their old order.
+
+    Attributes
+    ----------
+    order
+        ``(n,) int64``.
+    bounds
+        ``(groups + 1,) int64``.
+    keys
+        ``(groups,) int64``, increasing.
+    """
+
+    order: I64
+    bounds: I64
+    keys: I64
+
+    @classmethod
+    def by(cls, keys: I64) -> Gathered:
+        """Gather by ``(n,) int64`` keys from 0 on.
+
+        Where a key and an index fit into 63 bits together, that is what is sorted: without looking things up by
+        index, which is what takes time in an indirect sort.
+        """
+        bits = max(1, len(keys) - 1).bit_length()
+        if int(keys.max(initial=0)).bit_length() + bits > _SORTABLE_BITS:
+            order = np.argsort(keys, kind="stable")
+            bounds = np.append(np.flatnonzero(np.diff(keys[order], prepend=-1)), len(keys))
+            return cls(order, bounds, keys[order[bounds[:-1]]])
+        packed = (keys << bits) | np.arange(len(keys))
+        packed.sort()
+        bounds = _bounds(packed, bits)
+        group_keys = packed[bounds[:-1]] >> bits
+        packed &= (1 << bits) - 1
+        return cls(packed, bounds, group_keys)
+
+    def __len__(self) -> int:
+        return len(self.keys)
+
+
+@njit(cache=True, nogil=True)
+def _bounds(packed: I64, bits: int) -> I64:
+    """Where the part above the lowest `bits` changes, both ends included."""
+    n = len(packed)
+    count = 1 if n else 0
+    for i in range(1, n):
+        count += packed[i] >> bits != packed[i - 1] >> bits
+    bounds = np.empty(count + 1, np.int64)
+    bounds[0] = 0
+    at = 1
+    for i in range(1, n):
+        if packed[i] >> bits != packed[i - 1] >> bits:
+            bounds[at] = i
+            at += 1
+    bounds[count] = n
+    return bounds
 
 
 @njit(cache=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit
 
 from .records import F64
@@ -13,13 +12,22 @@ MOMENTS = 10
 """Columns of a row of moments: count, sums of x y z, sums of xx xy xz yy yz zz."""
 
 
-def moments_of(positions: F64) -> F64:
-    """``(n, 10) float64`` moments of single points ``(n, 3)``."""
-    x, y, z = positions.T
-    return np.stack([np.ones(len(x)), x, y, z, x * x, x * y, x * z, y * y, y * z, z * z], axis=1)
+@njit(cache=True, nogil=True)
+def add_point(moments: F64, x: float, y: float, z: float) -> None:
+    """Add a point to a row of moments ``(10,)``."""
+    moments[0] += 1.0
+    moments[1] += x
+    moments[2] += y
+    moments[3] += z
+    moments[4] += x * x
+    moments[5] += x * y
+    moments[6] += x * z
+    moments[7] += y * y
+    moments[8] += y * z
+    moments[9] += z * z
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def fit_plane(moments: F64, normal: F64) -> tuple[float, float, float]:
     """Fit a plane to a row of moments.
 
@@ -47,7 +55,7 @@ def fit_plane(moments: F64, normal: F64) -> tuple[float, float, float]:
     return least, middle, greatest
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _eigenvalues(xx: float, xy: float, xz: float, yy: float, yz: float, zz: float) -> tuple[float, float, float]:
     """Eigenvalues of a symmetric 3x3 matrix, least first, by the trigonometric formula."""
     mean = (xx + yy + zz) / 3.0
@@ -65,7 +73,7 @@ def _eigenvalues(xx: float, xy: float, xz: float, yy: float, yz: float, zz: floa
     return least, 3.0 * mean - greatest - least, greatest
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _null_vector(xx: float, xy: float, xz: float, yy: float, yz: float, zz: float, out: F64) -> None:
     """Write the unit vector that a singular symmetric matrix maps to zero: the longest cross product of its rows."""
     best = 0.0

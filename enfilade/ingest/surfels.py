@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .cells import CellGrid, neighbour_rows
-from .moments import MOMENTS, fit_plane, moments_of
+from .cells import CellGrid, Gathered
+from .moments import MOMENTS, add_point, fit_plane
+from .parallel import in_slices
 from .records import F32, F64, I32, Surfels, ThinnedCloud
 
 I64 = NDArray[np.int64]
-_VIEWS_AT_ONCE: Final = 1 << 16
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,55 +43,59 @@ def make_surfels(cloud: ThinnedCloud, parameters: SurfelParameters = SurfelParam
     normals agree, and kept apart, as the two sides of something thin, where they oppose each other.
     """
     grid = CellGrid.around(cloud.positions, parameters.cell_m)
-    key = grid.keys(cloud.positions, cloud.scan)
-    order = np.argsort(key, kind="stable")
-    starts = np.flatnonzero(np.diff(key[order], prepend=-1))
-    view_key = key[order[starts]]
+    views = Gathered.by(grid.keys(cloud.positions, cloud.scan))
+    scan, cell = np.divmod(views.keys, grid.size)
     low = np.asarray(grid.lowest * grid.cell_m, np.float64)
-    moments = _moments(cloud.positions, order, starts, low)
-    view_scan = (view_key // grid.size).astype(np.int32)
-    towards = cloud.scanner_positions[view_scan].astype(np.float64) - low
-    normals = _normals(view_key, grid.row_offsets(), moments, towards, parameters)
-    view_surfel = _join_views(view_key % grid.size, moments[:, 0], normals)
-    point_surfel = np.empty(len(key), np.int32)
-    point_surfel[order] = np.repeat(view_surfel, np.diff(starts, append=len(key)))
-    return _gather(view_surfel, view_scan, moments, normals, low, point_surfel)
+    moments = _moments(cloud.positions, views.order, views.bounds, low)
+    towards = cloud.scanner_positions.astype(np.float64) - low
+    normals = np.zeros((len(views), 3))
+    least = parameters.least_points, parameters.least_spread_m**2
+    in_slices(_fit_normals, len(views), normals, views.keys, grid.row_offsets(), moments, scan, towards, *least)
+    cells = Gathered.by(cell)
+    view_surfel, leading, sums = _join_views(cells.order, cells.bounds, moments, normals)
+    positions = (sums[:, 1:4] / sums[:, :1] + low).astype(np.float32)
+    point_surfel = _spread(view_surfel, views.order, views.bounds)
+    return Surfels(positions, _unit(sums[:, 4:]), scan[leading].astype(np.int32), point_surfel)
 
 
-def _moments(positions: F32, order: I64, starts: I64, low: F64) -> F64:
-    """``(n, 10)`` moments of each view, its points being ``order[starts[i]:starts[i + 1]]``; some views at a time."""
-    moments = np.empty((len(starts), MOMENTS))
-    bounds = np.append(starts, len(order))
-    for first in range(0, len(starts), _VIEWS_AT_ONCE):
-        past = min(first + _VIEWS_AT_ONCE, len(starts))
-        points = positions[order[bounds[first] : bounds[past]]].astype(np.float64) - low
-        moments[first:past] = np.add.reduceat(moments_of(points), bounds[first:past] - bounds[first], axis=0)
+@njit(cache=True, nogil=True)
+def _moments(positions: F32, order: I64, bounds: I64, low: F64) -> F64:
+    """``(n, 10)`` moments of each view, its points being ``order[bounds[i]:bounds[i + 1]]``."""
+    moments = np.zeros((len(bounds) - 1, MOMENTS))
+    for i in range(len(bounds) - 1):
+        for at in range(bounds[i], bounds[i + 1]):
+            x, y, z = positions[order[at]]
+            add_point(moments[i], x - low[0], y - low[1], z - low[2])
     return moments
 
 
-def _normals(keys: I64, offsets: I64, moments: F64, towards: F64, parameters: SurfelParameters) -> F64:
-    """``(n, 3)`` normals, zero where the neighbourhood holds too little."""
-    rows = neighbour_rows(keys, offsets)
-    least_variance = parameters.least_spread_m**2
-    return np.asarray(
-        _fit_neighbourhoods(keys, offsets, rows, moments, towards, parameters.least_points, least_variance), np.float64
-    )
-
-
-@njit(cache=True)
-def _fit_neighbourhoods(
-    keys: I64, offsets: I64, rows: I32, moments: F64, towards: F64, least_points: int, least_variance: float
-) -> F64:
+@njit(cache=True, nogil=True)
+def _fit_normals(
+    first: int,
+    past: int,
+    normals: F64,
+    keys: I64,
+    offsets: I64,
+    moments: F64,
+    scan: I64,
+    towards: F64,
+    least_points: int,
+    least_variance: float,
+) -> None:
+    """Fill in the normals of views `first` to `past`; they stay zero where the neighbourhood holds too little."""
     n = len(keys)
-    normals = np.zeros((n, 3))
-    total = np.empty(MOMENTS)
-    normal = np.empty(3)
-    for i in range(n):
+    total, normal, begins = np.empty(MOMENTS), np.empty(3), np.empty(9, np.int64)
+    for k in range(9):
+        begins[k] = np.searchsorted(keys, keys[first] + offsets[k])
+    for i in range(first, past):
         total[:] = 0.0
         for k in range(9):
-            at = rows[i, k]
+            while begins[k] < n and keys[begins[k]] < keys[i] + offsets[k]:
+                begins[k] += 1
+            at = begins[k]
             while at < n and keys[at] <= keys[i] + offsets[k] + 2:
-                total += moments[at]
+                for m in range(MOMENTS):
+                    total[m] += moments[at, m]
                 at += 1
         if total[0] < least_points:
             continue
@@ -101,42 +104,75 @@ def _fit_neighbourhoods(
             continue
         side = 0.0
         for axis in range(3):
-            side += normal[axis] * (towards[i, axis] - moments[i, 1 + axis] / moments[i, 0])
+            side += normal[axis] * (towards[scan[i], axis] - moments[i, 1 + axis] / moments[i, 0])
         for axis in range(3):
             normals[i, axis] = normal[axis] if side >= 0.0 else -normal[axis]
-    return normals
 
 
-def _join_views(cell: I64, count: F64, normals: F64) -> I32:
-    """Return which surfel each (scan, cell) view belongs to, -1 for none; in order of cells.
+@njit(cache=True, nogil=True)
+def _join_views(order: I64, bounds: I64, moments: F64, normals: F64) -> tuple[I32, I64, F64]:
+    """Join the views of each cell, ``order[bounds[c]:bounds[c + 1]]``, into surfels, in order of cells; sorts `order`.
 
-    The view with most points leads; views of the cell that look at it from the other side make a second surfel.
-    Views without a normal go with the leader.
+    The view with most points leads, of those that have a normal; views of the cell that look at it from the other
+    side make a second surfel. Views without a normal go with the leader.
+
+    Returns
+    -------
+    Which surfel each view belongs to, -1 for none; of each surfel the view with most points, and its sums
+    ``(m, 7)``: points, their x, y, z, and the views' normals, each as often as it has points.
     """
-    has_normal = np.asarray(normals.any(axis=1))
-    order = np.lexsort((-count, ~has_normal, cell))
-    first = np.flatnonzero(np.diff(cell[order], prepend=-1))
-    leader = np.repeat(order[first], np.diff(first, append=len(order)))
-    opposed = np.asarray(np.einsum("ij,ij->i", normals[order], normals[leader]) < 0.0)
-    side: I64 = np.where(has_normal[leader], 2 * cell[order] + opposed, np.int64(-1))
-    names, number = np.unique(side, return_inverse=True)
-    surfel = np.empty(len(cell), np.int32)
-    surfel[order] = number - np.count_nonzero(names == -1)
-    return surfel
+    view_surfel = np.full(len(order), -1, np.int32)
+    leading, sums = np.empty(len(order), np.int64), np.zeros((len(order), 7))
+    count = 0
+    for cell in range(len(bounds) - 1):
+        views = order[bounds[cell] : bounds[cell + 1]]
+        _sort_by_points(views, moments)
+        leader = -1
+        for view in views:
+            if leader < 0 and _dot(normals[view], normals[view]) > 0.0:
+                leader = view
+        if leader < 0:
+            continue
+        for opposed in (False, True):
+            found = False
+            for view in views:
+                if (_dot(normals[view], normals[leader]) < 0.0) == opposed:
+                    if not found:
+                        leading[count] = view
+                    found = True
+                    view_surfel[view] = count
+                    for axis in range(4):
+                        sums[count, axis] += moments[view, axis]
+                    for axis in range(3):
+                        sums[count, 4 + axis] += moments[view, 0] * normals[view, axis]
+            count += found
+    return view_surfel, leading[:count].copy(), sums[:count].copy()
 
 
-def _gather(view_surfel: I32, view_scan: I32, moments: F64, normals: F64, low: F64, point_surfel: I32) -> Surfels:
-    """Sum the views of each surfel; its scan is the one that measured most of it."""
-    used = np.flatnonzero(view_surfel >= 0)
-    used = used[np.lexsort((-moments[used, 0], view_surfel[used]))]
-    starts = np.flatnonzero(np.diff(view_surfel[used], prepend=-1))
-    if not len(starts):
-        empty = np.zeros((0, 3), np.float32)
-        return Surfels(empty, empty, np.zeros(0, np.int32), point_surfel)
-    sums = np.add.reduceat(moments[used, :4], starts, axis=0)
-    positions = (sums[:, 1:] / sums[:, :1] + low).astype(np.float32)
-    normal = np.add.reduceat(normals[used] * moments[used, :1], starts, axis=0)
-    return Surfels(positions, _unit(normal), view_scan[used[starts]], point_surfel)
+@njit(cache=True, nogil=True)
+def _sort_by_points(views: I64, moments: F64) -> None:
+    """Sort a few views, those with most points first, by insertion."""
+    for i in range(1, len(views)):
+        view, at = views[i], i
+        while at > 0 and moments[views[at - 1], 0] < moments[view, 0]:
+            views[at] = views[at - 1]
+            at -= 1
+        views[at] = view
+
+
+@njit(cache=True, nogil=True)
+def _dot(a: F64, b: F64) -> float:
+    return float(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
+
+
+@njit(cache=True, nogil=True)
+def _spread(view_surfel: I32, order: I64, bounds: I64) -> I32:
+    """``(N,)`` the surfel of each point."""
+    point_surfel = np.empty(len(order), np.int32)
+    for view in range(len(bounds) - 1):
+        for at in range(bounds[view], bounds[view + 1]):
+            point_surfel[order[at]] = view_surfel[view]
+    return point_surfel
 
 
 def _unit(vectors: F64) -> F32:

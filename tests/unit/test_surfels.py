@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scanned_boxes import DOOR, scans
 
-from enfilade.ingest.moments import fit_plane, moments_of
+from enfilade.ingest.moments import MOMENTS, add_point, fit_plane
 from enfilade.ingest.records import Scan
 from enfilade.ingest.surfels import make_surfels
 from enfilade.ingest.thinning import thin
@@ -74,8 +74,10 @@ def test_stray_points_and_bare_lines_have_no_surfel() -> None:
 def test_the_fitted_plane_agrees_with_an_eigenvalue_solver(seed: int) -> None:
     rng = np.random.default_rng(seed)
     points = rng.normal(size=(200, 3)) @ np.diag([3.0, 1.0, 0.1]) @ np.linalg.qr(rng.normal(size=(3, 3)))[0] + 20.0
-    normal = np.empty(3)
-    variances = fit_plane(moments_of(points).sum(axis=0), normal)
+    moments, normal = np.zeros(MOMENTS), np.empty(3)
+    for point in points:
+        add_point(moments, *point)
+    variances = fit_plane(moments, normal)
     values, vectors = np.linalg.eigh(np.cov(points.T, bias=True))
     assert np.allclose(variances, values, rtol=1e-6)
     assert abs(normal @ vectors[:, 0]) > 1.0 - 1e-6
