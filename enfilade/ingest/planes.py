@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from scipy import ndimage, sparse
 from scipy.spatial import cKDTree
 
-from .cells import CellGrid, neighbour_rows
-from .moments import MOMENTS, fit_plane
+from .cells import CellGrid, Gathered, neighbour_rows
+from .moments import MOMENTS, add_point, fit_plane
 from .records import F32, F64, I32, Bitmap, Planes, Surfels
 
 I64 = NDArray[np.int64]
@@ -44,15 +44,15 @@ class PlaneParameters:
     least_area_m2: float = 0.15
     merge_angle_deg: float = 4.0
     merge_distance_m: float = 0.03
-    merge_gap_m: float = 0.8
+    merge_gap_m: float = 0.6
     bitmap_cell_m: float = 0.10
 
 
 def find_planes(surfels: Surfels, parameters: PlaneParameters = PlaneParameters()) -> Planes:
     """Find the planar patches of the surfels, each with the surfels that lie on it and its occupancy bitmap."""
     plane = _merge_fragments(surfels, _grow_planes(surfels, parameters), parameters)
-    normals, centres = _fit(surfels, plane)
-    bitmaps = _bitmaps(surfels, plane, normals, centres, parameters.bitmap_cell_m)
+    normals, centres = _fit(surfels.positions, surfels.normals, plane)
+    bitmaps = _bitmaps(surfels.positions, plane, normals, centres, parameters.bitmap_cell_m)
     offsets = np.einsum("ij,ij->i", normals, centres)
     return Planes(normals.astype(np.float32), offsets.astype(np.float32), plane, bitmaps)
 
@@ -65,24 +65,23 @@ def _grow_planes(surfels: Surfels, parameters: PlaneParameters) -> I32:
     if not len(surfels.positions):
         return np.zeros(0, np.int32)
     grid = CellGrid.around(surfels.positions, parameters.surfel_cell_m)
-    key = grid.keys(surfels.positions)
-    order = np.argsort(key, kind="stable")
-    keys, offsets = key[order], grid.row_offsets()
+    keys, offsets = grid.keys(surfels.positions), grid.row_offsets()
+    order = Gathered.by(keys).order
+    keys = keys[order]
     rows = neighbour_rows(keys, offsets)
-    positions = surfels.positions[order].astype(np.float64)
-    normals = surfels.normals[order].astype(np.float64)
+    positions, normals = surfels.positions[order], surfels.normals[order]
     tolerance, cosine = parameters.distance_m, float(np.cos(np.radians(parameters.angle_deg)))
     seeds = np.argsort(-_flatness(keys, offsets, rows, positions, normals), kind="stable")
     least = int(np.ceil(parameters.least_area_m2 / parameters.surfel_cell_m**2))
     grown = _grow(keys, offsets, rows, positions, normals, seeds, tolerance, cosine, least)
-    fitted, centres = _fit_sorted(positions, normals, grown)
-    plane = np.empty(len(key), np.int32)
+    fitted, centres = _fit(positions, normals, grown)
+    plane = np.empty(len(keys), np.int32)
     plane[order] = _take_in_edges(keys, offsets, rows, positions, normals, grown, fitted, centres, tolerance)
     return plane
 
 
 @njit(cache=True)
-def _flatness(keys: I64, offsets: I64, rows: I32, positions: F64, normals: F64) -> I32:
+def _flatness(keys: I64, offsets: I64, rows: I32, positions: F32, normals: F32) -> I32:
     """Count, for each surfel, the neighbours with much the same normal on much the same plane."""
     n = len(keys)
     flat = np.zeros(n, np.int32)
@@ -93,8 +92,8 @@ def _flatness(keys: I64, offsets: I64, rows: I32, positions: F64, normals: F64) 
                 cosine = 0.0
                 height = 0.0
                 for axis in range(3):
-                    cosine += normals[i, axis] * normals[at, axis]
-                    height += normals[i, axis] * (positions[at, axis] - positions[i, axis])
+                    cosine += np.float64(normals[i, axis]) * normals[at, axis]
+                    height += normals[i, axis] * (np.float64(positions[at, axis]) - positions[i, axis])
                 if cosine > 0.98 and abs(height) < 0.01:
                     flat[i] += 1
                 at += 1
@@ -106,8 +105,8 @@ def _grow(
     keys: I64,
     offsets: I64,
     rows: I32,
-    positions: F64,
-    normals: F64,
+    positions: F32,
+    normals: F32,
     seeds: I64,
     tolerance: float,
     cosine: float,
@@ -141,8 +140,8 @@ def _grow_from(
     keys: I64,
     offsets: I64,
     rows: I32,
-    positions: F64,
-    normals: F64,
+    positions: F32,
+    normals: F32,
     plane: I32,
     tried: I32,
     queue: I32,
@@ -163,7 +162,7 @@ def _grow_from(
     while head < size:
         i = queue[head]
         head += 1
-        _add_moments(moments, positions[i])
+        add_point(moments, np.float64(positions[i, 0]), np.float64(positions[i, 1]), np.float64(positions[i, 2]))
         if head == refit:
             offset = _refit(moments, normals[seed], normal)
             refit *= 2
@@ -184,18 +183,7 @@ def _grow_from(
 
 
 @njit(cache=True)
-def _add_moments(moments: F64, position: F64) -> None:
-    moments[0] += 1.0
-    at = 4
-    for a in range(3):
-        moments[1 + a] += position[a]
-        for b in range(a, 3):
-            moments[at] += position[a] * position[b]
-            at += 1
-
-
-@njit(cache=True)
-def _refit(moments: F64, side: F64, normal: F64) -> float:
+def _refit(moments: F64, side: F32, normal: F64) -> float:
     """Fit the plane anew, its normal on the side of `side`; return its offset."""
     fit_plane(moments, normal)
     if normal[0] * side[0] + normal[1] * side[1] + normal[2] * side[2] < 0.0:
@@ -209,8 +197,8 @@ def _take_in_edges(
     keys: I64,
     offsets: I64,
     rows: I32,
-    positions: F64,
-    normals: F64,
+    positions: F32,
+    normals: F32,
     plane: I32,
     plane_normals: F64,
     centres: F64,
@@ -242,27 +230,35 @@ def _take_in_edges(
 # --- merging and fitting ---------------------------------------------------------------------------------------
 
 
-def _fit(surfels: Surfels, plane: I32) -> tuple[F64, F64]:
-    return _fit_sorted(surfels.positions.astype(np.float64), surfels.normals.astype(np.float64), plane)
-
-
-def _fit_sorted(positions: F64, normals: F64, plane: I32) -> tuple[F64, F64]:
+def _fit(positions: F32, normals: F32, plane: I32) -> tuple[F64, F64]:
     """Least-squares normals ``(P, 3)``, on the side of the surfels' own, and centres ``(P, 3)`` of all planes."""
-    count = int(plane.max(initial=-1)) + 1
-    on_plane = plane >= 0
-    label = plane[on_plane]
-    size = np.bincount(label, minlength=count)
-    centres = _sums(label, positions[on_plane], count) / size[:, None]
-    relative = positions[on_plane] - centres[label]
-    products = relative[:, [0, 0, 0, 1, 1, 2]] * relative[:, [0, 1, 2, 1, 2, 2]]
-    scatter = _sums(label, products, count)[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3)
+    centres, sides, scatter = _scatter(positions, normals, plane, int(plane.max(initial=-1)) + 1)
     fitted = np.linalg.eigh(scatter)[1][:, :, 0]
-    side = np.einsum("ij,ij->i", fitted, _sums(label, normals[on_plane], count))
+    side = np.einsum("ij,ij->i", fitted, sides)
     return np.where(side[:, None] < 0.0, -fitted, fitted), centres
 
 
-def _sums(label: I32, columns: F64, count: int) -> F64:
-    return np.stack([np.bincount(label, column, count) for column in columns.T], axis=1)
+@njit(cache=True, nogil=True)
+def _scatter(positions: F32, normals: F32, plane: I32, count: int) -> tuple[F64, F64, F64]:
+    """Centres ``(P, 3)``, sums of normals ``(P, 3)`` and scatter matrices ``(P, 3, 3)`` of the planes."""
+    size, centres = np.zeros(count), np.zeros((count, 3))
+    sides, scatter = np.zeros((count, 3)), np.zeros((count, 3, 3))
+    for i in range(len(plane)):
+        p = plane[i]
+        if p >= 0:
+            size[p] += 1.0
+            for axis in range(3):
+                centres[p, axis] += positions[i, axis]
+                sides[p, axis] += normals[i, axis]
+    for p in range(count):
+        centres[p] /= size[p]
+    for i in range(len(plane)):
+        p = plane[i]
+        if p >= 0:
+            for a in range(3):
+                for b in range(3):
+                    scatter[p, a, b] += (positions[i, a] - centres[p, a]) * (positions[i, b] - centres[p, b])
+    return centres, sides, scatter
 
 
 def _merge_fragments(surfels: Surfels, plane: I32, parameters: PlaneParameters) -> I32:
@@ -273,7 +269,7 @@ def _merge_fragments(surfels: Surfels, plane: I32, parameters: PlaneParameters) 
     size = np.bincount(plane[plane >= 0], minlength=count)
     a, b = _pairs_nearby(surfels, plane, parameters.merge_gap_m)
     small, large = np.where(size[a] < size[b], (a, b), (b, a))
-    normals, centres = _fit(surfels, plane)
+    normals, centres = _fit(surfels.positions, surfels.normals, plane)
     cosine = np.einsum("ij,ij->i", normals[small], normals[large])
     height = np.einsum("ij,ij->i", normals[large], centres[small] - centres[large])
     same = (cosine > np.cos(np.radians(parameters.merge_angle_deg))) & (abs(height) < parameters.merge_distance_m)
@@ -284,51 +280,61 @@ def _merge_fragments(surfels: Surfels, plane: I32, parameters: PlaneParameters) 
 
 
 def _pairs_nearby(surfels: Surfels, plane: I32, gap_m: float) -> tuple[I64, I64]:
-    """Pairs of planes of which some surfels lie within about `gap_m` of each other."""
+    """Pairs of planes of which some surfels lie within `gap_m` of each other, told by boxes around those of a cell."""
     on_plane = np.flatnonzero(plane >= 0)
     grid = CellGrid.around(surfels.positions, gap_m / 2.0)
-    key = grid.keys(surfels.positions[on_plane], plane[on_plane])
-    sample = on_plane[np.unique(key, return_index=True)[1]]
-    pairs = cKDTree(surfels.positions[sample]).query_pairs(gap_m, output_type="ndarray")
-    planes = np.sort(plane[sample][pairs].astype(np.int64), axis=1)
-    planes = np.unique(planes[planes[:, 0] != planes[:, 1]], axis=0)
-    return planes[:, 0], planes[:, 1]
+    cells = Gathered.by(grid.keys(surfels.positions[on_plane], plane[on_plane]))
+    positions = surfels.positions[on_plane[cells.order]]
+    low = np.minimum.reduceat(positions, cells.bounds[:-1])
+    high = np.maximum.reduceat(positions, cells.bounds[:-1])
+    widest = float(np.linalg.norm(high - low, axis=1).max())
+    one, other = cKDTree((low + high) / 2.0).query_pairs(gap_m + widest, output_type="ndarray").T
+    owner = cells.keys // grid.size
+    differ = owner[one] != owner[other]
+    one, other = one[differ], other[differ]
+    apart = np.maximum(np.maximum(low[one] - high[other], low[other] - high[one]), 0.0)
+    near = np.einsum("ij,ij->i", apart, apart) <= gap_m**2
+    a, b = owner[one[near]], owner[other[near]]
+    a, b = np.divmod(np.unique(np.minimum(a, b) * (1 << 32) + np.maximum(a, b)), 1 << 32)
+    return a, b
 
 
 # --- bitmaps ---------------------------------------------------------------------------------------------------
 
 
-def _bitmaps(surfels: Surfels, plane: I32, normals: F64, centres: F64, cell_m: float) -> tuple[Bitmap, ...]:
-    order = np.argsort(plane, kind="stable")
-    ends = np.cumsum(np.bincount(plane + 1, minlength=len(normals) + 1))
-    return tuple(
-        _bitmap(surfels.positions[order[ends[p] : ends[p + 1]]].astype(np.float64), normals[p], centres[p], cell_m)
-        for p in range(len(normals))
-    )
+def _bitmaps(positions: F32, plane: I32, normals: F64, centres: F64, cell_m: float) -> tuple[Bitmap, ...]:
+    """Bitmaps of all planes: 1 where a cell holds a surfel, then smoothed by a box filter of 3 x 3 cells."""
+    if not len(normals):
+        return ()
+    u, v = _axes(normals)
+    on_plane = np.flatnonzero(plane >= 0)
+    members = Gathered.by(plane[on_plane].astype(np.int64))
+    order = on_plane[members.order]
+    relative = positions[order] - centres[plane[order]]
+    i = np.floor(np.einsum("ij,ij->i", relative, v[plane[order]]) / cell_m).astype(np.int64)
+    j = np.floor(np.einsum("ij,ij->i", relative, u[plane[order]]) / cell_m).astype(np.int64)
+    starts, ends = members.bounds[:-1], members.bounds[1:]
+    low_i, low_j = np.minimum.reduceat(i, starts) - 1, np.minimum.reduceat(j, starts) - 1
+    rows, columns = np.maximum.reduceat(i, starts) - low_i + 2, np.maximum.reduceat(j, starts) - low_j + 2
+    corners = centres + cell_m * (low_j[:, None] * u + low_i[:, None] * v)
+    bitmaps = []
+    for p, (start, end) in enumerate(zip(starts, ends, strict=True)):
+        occupied = np.zeros((rows[p], columns[p]), np.float32)
+        occupied[i[start:end] - low_i[p], j[start:end] - low_j[p]] = 1.0
+        smooth = ndimage.uniform_filter(occupied, size=3, mode="constant")
+        bitmaps.append(Bitmap(_f32(corners[p]), _f32(u[p]), _f32(v[p]), cell_m, smooth))
+    return tuple(bitmaps)
 
 
-def _bitmap(positions: F64, normal: F64, centre: F64, cell_m: float) -> Bitmap:
-    """Bitmap of the surfels on one plane: 1 where a cell holds one, then smoothed by a box filter of 3 x 3 cells."""
-    u, v = _axes(normal)
-    relative = positions - centre
-    cell = np.floor(np.stack([relative @ v, relative @ u], axis=1) / cell_m).astype(np.int64)
-    low = cell.min(axis=0) - 1
-    occupied = np.zeros(cell.max(axis=0) - low + 2, np.float32)
-    occupied[tuple((cell - low).T)] = 1.0
-    corner = centre + cell_m * (low[1] * u + low[0] * v)
-    smooth = ndimage.uniform_filter(occupied, size=3, mode="constant")
-    return Bitmap(_f32(corner), _f32(u), _f32(v), cell_m, smooth)
-
-
-def _axes(normal: F64) -> tuple[F64, F64]:
-    """Two unit axes in a plane: `u` level, `v` up the slope; x and y on a level plane."""
-    if abs(normal[2]) > 0.95:
-        u = np.array([1.0, 0.0, 0.0]) - normal[0] * normal
-    else:
-        u = np.array([-normal[1], normal[0], 0.0])
-    u /= np.linalg.norm(u)
-    v = np.cross(normal, u)
-    return u, v if v[2] >= 0.0 or abs(normal[2]) > 0.95 else -v
+def _axes(normals: F64) -> tuple[F64, F64]:
+    """Two unit axes in each plane, ``(P, 3)``: `u` level, `v` up the slope; x and y on a level plane."""
+    level = np.abs(normals[:, 2]) > 0.95
+    along_x = np.array([1.0, 0.0, 0.0]) - normals[:, :1] * normals
+    across = np.stack([-normals[:, 1], normals[:, 0], np.zeros(len(normals))], axis=1)
+    u = np.where(level[:, None], along_x, across)
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    v = np.cross(normals, u)
+    return u, np.where((level | (v[:, 2] >= 0.0))[:, None], v, -v)
 
 
 def _f32(vector: F64) -> F32:
