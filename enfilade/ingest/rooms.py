@@ -7,18 +7,19 @@ product with it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial import cKDTree
 
 from enfilade.progress import Progress, Silent
 
-from .cells import CellGrid
+from .cells import CellGrid, Gathered
+from .fans import fans
 from .records import F32, F64, I32, Groups, Planes, RoomLabels, Surfels
 from .structure import Structure
 
@@ -27,7 +28,6 @@ _SILENT: Final = Silent()
 _RAYS_AT_ONCE: Final = 1 << 20
 _ROOMS_AT_ONCE: Final = 16
 _LIFT_M: Final = 0.03
-_GOLDEN: Final = (np.sqrt(5.0) - 1.0) / 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,19 +149,15 @@ def gather_nodes(surfels: Surfels, planes: Planes, node_m: float) -> Nodes:
     shapes = np.array([_node_shape(b.occupancy.shape, b.cell_m, node_m) for b in planes.bitmaps], np.int64)
     shapes = shapes.reshape(-1, 2)
     first_key = np.concatenate([[0], np.cumsum(shapes[:, 0] * shapes[:, 1])])
-    key = np.empty(len(surfels.positions), np.int64)
-    on_plane = planes.surfel_plane >= 0
-    key[on_plane] = _cell_keys(
-        surfels.positions[on_plane], planes.surfel_plane[on_plane], planes, first_key, shapes[:, 1], node_m
-    )
-    if not on_plane.all():
-        loose = surfels.positions[~on_plane]
-        key[~on_plane] = first_key[-1] + CellGrid.around(loose, node_m).keys(loose)
-    members = np.argsort(key, kind="stable")
-    starts = np.flatnonzero(np.diff(key[members], prepend=-1))
+    key = _cell_keys(surfels.positions, planes.surfel_plane, planes, first_key, shapes[:, 1], node_m)
+    loose = np.flatnonzero(key < 0)
+    if len(loose):
+        positions = surfels.positions[loose]
+        key[loose] = first_key[-1] + CellGrid.around(positions, node_m).keys(positions)
+    gathered = Gathered.by(key)
     of_surfel = np.empty(len(key), np.int32)
-    of_surfel[members] = np.repeat(np.arange(len(starts), dtype=np.int32), np.diff(starts, append=len(key)))
-    return Nodes(of_surfel, members, np.append(starts, len(key)), key[members[starts]], first_key, shapes[:, 1])
+    of_surfel[gathered.order] = np.repeat(np.arange(len(gathered), dtype=np.int32), np.diff(gathered.bounds))
+    return Nodes(of_surfel, gathered.order, gathered.bounds, gathered.keys, first_key, shapes[:, 1])
 
 
 def _node_shape(cells: tuple[int, ...], cell_m: float, node_m: float) -> tuple[int, int]:
@@ -170,13 +166,25 @@ def _node_shape(cells: tuple[int, ...], cell_m: float, node_m: float) -> tuple[i
 
 
 def _cell_keys(positions: F32, plane: I32, planes: Planes, first_key: I64, columns: I64, node_m: float) -> I64:
-    """Key of the cell of its plane that each position projects to."""
-    corner = np.array([b.origin for b in planes.bitmaps])[plane]
-    relative = positions - corner
-    j = np.einsum("ij,ij->i", relative, np.array([b.u for b in planes.bitmaps])[plane]) / node_m
-    i = np.einsum("ij,ij->i", relative, np.array([b.v for b in planes.bitmaps])[plane]) / node_m
-    i, j = np.maximum(np.floor(i), 0).astype(np.int64), np.maximum(np.floor(j), 0).astype(np.int64)
-    return np.asarray(first_key[plane] + i * columns[plane] + j)
+    """Key of the cell of its plane that each position projects to, -1 for those on none."""
+    frames = np.array([(b.origin, b.u, b.v) for b in planes.bitmaps], np.float64).reshape(-1, 3, 3)
+    return np.asarray(_project(positions, plane, frames, first_key, columns, node_m), np.int64)
+
+
+@njit(cache=True, nogil=True)
+def _project(positions: F32, plane: I32, frames: F64, first_key: I64, columns: I64, node_m: float) -> I64:
+    keys = np.full(len(plane), -1, np.int64)
+    for at in range(len(plane)):
+        p = plane[at]
+        if p >= 0:
+            along, up = 0.0, 0.0
+            for axis in range(3):
+                relative = positions[at, axis] - frames[p, 0, axis]
+                along += relative * frames[p, 1, axis]
+                up += relative * frames[p, 2, axis]
+            row, column = max(0, int(np.floor(up / node_m))), max(0, int(np.floor(along / node_m)))
+            keys[at] = first_key[p] + row * columns[p] + column
+    return keys
 
 
 # --- rays ------------------------------------------------------------------------------------------------------
@@ -194,35 +202,26 @@ def trace_transitions(
 ) -> sparse.csr_array:
     """Trace the rays of all nodes and return T (Eq. 1), row-stochastic, one row and column a node."""
     rows, columns = [np.arange(len(nodes), dtype=np.int32)], [np.arange(len(nodes), dtype=np.int32)]
-    for node, origins, directions in _rays(starts, normals, nodes, parameters.rays):
-        hits = structure.cast(origins, directions)
+    node_at = np.full(nodes.first_key[-1] + 1, -1, np.int32)
+    on_plane = np.flatnonzero(nodes.keys < nodes.first_key[-1])
+    node_at[nodes.keys[on_plane]] = on_plane
+    count, batch = parameters.rays, max(1, _RAYS_AT_ONCE // parameters.rays)
+    for first in range(0, len(nodes), batch):
+        past = min(first + batch, len(nodes))
+        rays = fans(first, past, count, nodes.members, nodes.starts, starts, normals)
+        hits = structure.cast(rays[:, :3], rays[:, 3:])
         hit = np.flatnonzero(hits.front)
-        points = origins[hit] + hits.distance[hit, None] * directions[hit]
-        keys = _cell_keys(points, hits.plane[hit], planes, nodes.first_key, nodes.columns, parameters.node_m)
-        target = np.minimum(np.searchsorted(nodes.keys, keys), len(nodes) - 1).astype(np.int32)
-        known = nodes.keys[target] == keys
-        rows.append(node[hit[known]])
+        points = rays[hit, :3] + hits.distance[hit, None] * rays[hit, 3:]
+        target = node_at[
+            _cell_keys(points, hits.plane[hit], planes, nodes.first_key, nodes.columns, parameters.node_m)
+        ]
+        known = target >= 0
+        rows.append((first + hit[known] // count).astype(np.int32))
         columns.append(target[known])
-        progress.advance(len(node) / max(1, len(nodes) * parameters.rays))
+        progress.advance((past - first) / len(nodes))
     row, column = np.concatenate(rows), np.concatenate(columns)
     weight = (1.0 / np.bincount(row, minlength=len(nodes)))[row].astype(np.float32)
     return sparse.csr_array((weight, (row, column)), shape=(len(nodes), len(nodes)))
-
-
-def _rays(starts: F32, normals: F32, nodes: Nodes, count: int) -> Iterator[tuple[I32, F32, F32]]:
-    """Yield batches of rays: their nodes, origins and unit directions, `count` for each node.
-
-    A node's rays start at its surfels in turn and spread over the hemisphere of the surfel's normal.
-    """
-    batch = max(1, _RAYS_AT_ONCE // count)
-    fan = _hemisphere(count)
-    for first in range(0, len(nodes), batch):
-        node = np.arange(first, min(first + batch, len(nodes)), dtype=np.int32)
-        size = np.diff(nodes.starts[first : first + len(node) + 1])
-        step = np.arange(count)[None, :] * size[:, None] // count
-        member = nodes.members[(nodes.starts[node][:, None] + step).ravel()]
-        spun = _spun(fan, node)
-        yield np.repeat(node, count), starts[member], _turned(spun, normals[member])
 
 
 def ray_starts(surfels: Surfels, planes: Planes) -> tuple[F32, F32]:
@@ -235,34 +234,6 @@ def ray_starts(surfels: Surfels, planes: Planes) -> tuple[F32, F32]:
     height = np.einsum("ij,ij->i", surfels.positions[on_plane], planes.normals[plane]) - planes.offsets[plane]
     lift[on_plane] -= height
     return surfels.positions + lift[:, None] * normals, normals
-
-
-def _hemisphere(count: int) -> F64:
-    """``(count, 2)`` azimuth and height of directions spread evenly over the hemisphere (a Fibonacci lattice)."""
-    step = np.arange(count)
-    return np.stack([2.0 * np.pi * _GOLDEN * step, (step + 0.5) / count], axis=1)
-
-
-def _spun(fan: F64, node: I32) -> F32:
-    """Turn the fan about the normal and shift it in height, by a low-discrepancy amount a node: ``(n count, 3)``."""
-    count = len(fan)
-    azimuth = fan[None, :, 0] + 2.0 * np.pi * (_GOLDEN * node[:, None] % 1.0)
-    shift = (node[:, None] * np.sqrt(2.0)) % 1.0 - 0.5
-    height = np.clip(fan[None, :, 1] + shift / count, 1e-3, 1.0)
-    flat = np.sqrt(1.0 - height**2)
-    return np.stack([flat * np.cos(azimuth), flat * np.sin(azimuth), height], axis=2).reshape(-1, 3).astype(np.float32)
-
-
-def _turned(directions: F32, normals: F32) -> F32:
-    """Directions given around +z, turned to be around the normals (the frame of Duff et al. 2017)."""
-    x, y, z = normals.T
-    sign = np.where(z >= 0.0, np.float32(1.0), np.float32(-1.0))
-    a = -1.0 / (sign + z)
-    b = x * y * a
-    u = np.stack([1.0 + sign * x * x * a, sign * b, -sign * x], axis=1)
-    v = np.stack([b, sign + y * y * a, -y], axis=1)
-    turned = directions[:, :1] * u + directions[:, 1:2] * v + directions[:, 2:] * normals
-    return np.asarray(turned, np.float32)
 
 
 # --- diffusion -------------------------------------------------------------------------------------------------

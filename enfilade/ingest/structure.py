@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from enfilade.native import open3d
@@ -66,15 +67,12 @@ class Structure:
     def cast(self, origins: F32, directions: F32) -> Hits:
         """Cast rays from ``(n, 3)`` origins along ``(n, 3)`` directions."""
         n = len(origins)
-        plane, front = np.full(n, -1, np.int32), np.zeros(n, bool)
         if not n or not len(self._plane):
-            return Hits(np.full(n, np.inf, np.float32), plane, front)
-        rays = np.concatenate([origins, directions], axis=1).astype(np.float32)
+            return Hits(np.full(n, np.inf, np.float32), np.full(n, -1, np.int32), np.zeros(n, bool))
+        rays = np.concatenate([origins, directions], axis=1, dtype=np.float32)
         cast = self._scene.cast_rays(open3d().core.Tensor(rays))
         distance = cast["t_hit"].numpy()
-        hit = np.flatnonzero(np.isfinite(distance))
-        plane[hit] = self._plane[cast["primitive_ids"].numpy()[hit] // 2]
-        front[hit] = np.einsum("ij,ij->i", self._normals[plane[hit]], directions[hit]) < 0.0
+        plane, front = _sides(distance, cast["primitive_ids"].numpy(), self._plane, self._normals, rays)
         return Hits(distance, plane, front)
 
     def blocked(self, starts: F32, ends: F32) -> Bool:
@@ -84,6 +82,21 @@ class Structure:
         rays = np.concatenate([starts, ends - starts], axis=1).astype(np.float32)
         occluded = self._scene.test_occlusions(open3d().core.Tensor(rays), tnear=0.0, tfar=1.0)
         return np.asarray(occluded.numpy(), bool)
+
+
+@njit(cache=True, nogil=True)
+def _sides(
+    distance: F32, triangle: NDArray[np.uint32], plane_of: I32, normals: F32, rays: F32
+) -> tuple[I32, Bool]:
+    """Plane that each ray hit, -1 for none, and whether it came from its front; a rectangle is two triangles."""
+    plane, front = np.full(len(distance), -1, np.int32), np.zeros(len(distance), np.bool_)
+    for i in range(len(distance)):
+        if np.isfinite(distance[i]):
+            p = plane_of[triangle[i] // 2]
+            plane[i] = p
+            towards = normals[p, 0] * rays[i, 3] + normals[p, 1] * rays[i, 4] + normals[p, 2] * rays[i, 5]
+            front[i] = towards < 0.0
+    return plane, front
 
 
 def _doors_closed(bitmap: Bitmap, height_m: float) -> Bool:
