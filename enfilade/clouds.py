@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from enfilade.atomic import replacing
 from enfilade.errors import InputError, StoreError
-from enfilade.ply_header import PlyHeader, read_ply_header
+from enfilade.formats.ply_header import PlyHeader, read_ply_header
 
 LABELS: Final = ("storey", "room", "object", "plane", "scan")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import glob
 import json
 from collections import Counter
 from pathlib import Path
@@ -25,28 +26,44 @@ PATH = click.Path(path_type=Path)
 @click.option("--building", help="Id: all SCANS are one building. Without it each argument is one, named after it.")
 @click.option("--name", help="What people call the building, any text; without it its id.")
 @click.option("--rooms", "grouping", type=PATH, help="CSV `scan,room` that overrides the automatic grouping.")
+@click.option("--positions", type=PATH, help="CSV `scan,x,y,z` or `file,x,y,z`: where scanners stood.")
+@click.option("--trajectory", type=PATH, multiple=True, help="Text `time,x,y,z`: the way of the scanner of LAS files.")
+@click.option("--units", type=click.Choice(["auto", "m", "mm", "cm", "ft", "in"]), default="auto", show_default=True)
+@click.option(
+    "--up", type=click.Choice(["auto", "z", "y"]), default="auto", show_default=True, help="The axis upwards."
+)
 @click.pass_context
 def ingest_command(
-    ctx: click.Context, scans: tuple[Path, ...], building: str | None, name: str | None, grouping: Path | None
+    ctx: click.Context,
+    scans: tuple[Path, ...],
+    building: str | None,
+    name: str | None,
+    grouping: Path | None,
+    positions: Path | None,
+    trajectory: tuple[Path, ...],
+    units: str,
+    up: str,
 ) -> None:
     """Turn registered scans into a graph in the store.
 
-    SCANS are E57 files or folders of them. One building that fails does not stop the others; the exit status is 1 if
-    any failed.
+    SCANS are E57, PTX, PLY, PCD, LAS or LAZ files, folders of them, or patterns. One building that fails does not stop
+    the others; the exit status is 1 if any failed.
     """
     from enfilade.schema.ids import check_building
 
     jobs = {building: list(scans)} if building is not None else _one_each(scans)
-    if len(jobs) > 1 and (grouping is not None or name is not None):
-        option = "--rooms" if name is None else "--name"
-        raise click.UsageError(f"{option} goes with one building; say with --building that all is one.")
+    of_one = {"--rooms": grouping, "--name": name, "--positions": positions, "--trajectory": trajectory or None}
+    given = [option for option, value in of_one.items() if value is not None]
+    if len(jobs) > 1 and given:
+        raise click.UsageError(f"{given[0]} goes with one building; say with --building that all is one.")
     for id in jobs:
         check_building(id)
     archive = open_archive(ctx, create=True)
+    inputs: dict[str, Any] = {"name": name, "grouping": grouping, "positions": positions, "trajectory": trajectory}
     failed = 0
     for id, paths in jobs.items():
         try:
-            ingest_one(archive, id, paths, name=name, grouping=grouping)
+            ingest_one(archive, id, paths, units=units, up=up, **inputs)
         except EnfiladeError as error:
             if ctx.obj["debug"]:
                 raise
@@ -56,13 +73,33 @@ def ingest_command(
 
 
 def ingest_one(
-    archive: Archive, building: str, scans: list[Path], *, name: str | None = None, grouping: Path | None = None
+    archive: Archive,
+    building: str,
+    scans: list[Path],
+    *,
+    name: str | None = None,
+    grouping: Path | None = None,
+    positions: Path | None = None,
+    trajectory: tuple[Path, ...] = (),
+    units: str = "auto",
+    up: str = "auto",
 ) -> None:
     """Ingest one building with bars, and say in a line what it became."""
+    from enfilade.ingest.parameters import Parameters
     from enfilade.ingest.pipeline import ingest
+    from enfilade.ingest.readers import ReadingParameters
 
     with progress_bars() as bars:
-        result = ingest(scans, building=building, name=name, rooms_csv=grouping, progress=bars)
+        result = ingest(
+            scans,
+            building=building,
+            name=name,
+            parameters=Parameters(reading=ReadingParameters(units=units, up=up)),
+            rooms_csv=grouping,
+            positions_csv=positions,
+            trajectory=trajectory,
+            progress=bars,
+        )
         bars.start("store")
         archive.save(result.graph, result.cloud)
     # Combinations of segments are further nodes for likeness, not further things in the rooms.
@@ -75,6 +112,8 @@ def ingest_one(
 def _one_each(scans: tuple[Path, ...]) -> dict[str, list[Path]]:
     jobs: dict[str, list[Path]] = {}
     for path in scans:
+        if glob.has_magic(str(path)) and not path.exists():
+            raise click.UsageError(f"{path} is a pattern of files; say with --building which building they are.")
         name = path.resolve().name if path.is_dir() else path.stem
         if name in jobs:
             raise click.UsageError(f"Two of the arguments would be the building {name!r}; use --building.")

@@ -14,6 +14,7 @@ from .objects import ObjectParameters
 from .openings import OpeningParameters
 from .planes import PlaneParameters
 from .plans import RoomPlanParameters
+from .readers import ReadingParameters
 from .rooms import RoomParameters
 from .storeys import StoreyParameters
 from .surfels import SurfelParameters
@@ -24,6 +25,7 @@ from .thinning import ThinningParameters
 class Parameters:
     """One field a stage, in order; the resolved set is stored on the building."""
 
+    reading: ReadingParameters = field(default_factory=ReadingParameters)
     thinning: ThinningParameters = field(default_factory=ThinningParameters)
     surfels: SurfelParameters = field(default_factory=SurfelParameters)
     planes: PlaneParameters = field(default_factory=PlaneParameters)

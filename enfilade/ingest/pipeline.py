@@ -60,6 +60,8 @@ def ingest(
     name: str | None = None,
     parameters: Parameters = _DEFAULTS,
     rooms_csv: Path | None = None,
+    positions_csv: Path | None = None,
+    trajectory: Sequence[Path] = (),
     progress: Progress = _SILENT,
 ) -> Ingested:
     """Turn the registered scans of one building into its graph and its labelled cloud.
@@ -67,7 +69,7 @@ def ingest(
     Parameters
     ----------
     sources
-        Scan files, or folders of them.
+        Scan files, folders of them, or patterns.
     building
         Id of the building.
     name
@@ -76,6 +78,10 @@ def ingest(
         Parameters of all stages.
     rooms_csv
         Grouping table (``scan,room``) that overrides the automatic groups in whole or in part.
+    positions_csv
+        Table of scanner positions (``scan,x,y,z`` or ``file,x,y,z``) for scans whose files have none.
+    trajectory
+        Files of the way of a moving scanner (time, x, y, z), for LAS and LAZ.
     progress
         Hears of every stage.
 
@@ -88,7 +94,8 @@ def ingest(
     files = scan_files(sources)
 
     watch.start("read and thin")
-    cloud = thin(read_scans(files), parameters.thinning, progress=watch)
+    scans = read_scans(files, parameters.reading, positions=positions_csv, trajectory=trajectory, progress=watch)
+    cloud = thin(scans, parameters.thinning, progress=watch)
     watch.start("surfels")
     surfels = make_surfels(cloud, parameters.surfels)
     watch.start("planes")
@@ -117,7 +124,8 @@ def ingest(
     )
     watch.start("graph")
     found = Findings(cloud, surfels, planes, labels, rooms, storeys, neighbours, openings, objects)
-    origin_of_all = provenance(files, rooms_csv, parameters)
+    tables = [table for table in (rooms_csv, positions_csv, *trajectory) if table is not None]
+    origin_of_all = provenance(files, tables, parameters)
     said = building if name is None else name
     graph = assemble_graph(building, said, found, parameters.descriptors.shape, origin_of_all)
     return Ingested(graph, assemble_cloud(found), watch.stop())

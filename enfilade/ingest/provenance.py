@@ -15,7 +15,7 @@ import enfilade
 from .parameters import Parameters
 
 
-def provenance(files: Sequence[Path], rooms_csv: Path | None, parameters: Parameters) -> dict[str, Any]:
+def provenance(files: Sequence[Path], tables: Sequence[Path], parameters: Parameters) -> dict[str, Any]:
     """Return the properties of a building's node that say what it was made from."""
     resolved = asdict(parameters)
     return {
@@ -23,14 +23,14 @@ def provenance(files: Sequence[Path], rooms_csv: Path | None, parameters: Parame
         "ingested_at": datetime.now(UTC).isoformat(timespec="seconds"),
         "parameters": resolved,
         "software_version": enfilade.__version__,
-        "content_hash": content_hash(files, rooms_csv, resolved),
+        "content_hash": content_hash(files, tables, resolved),
     }
 
 
-def content_hash(files: Sequence[Path], rooms_csv: Path | None, parameters: dict[str, Any]) -> str:
-    """SHA-256 of the scan files, the grouping table and the parameters, in hexadecimal."""
+def content_hash(files: Sequence[Path], tables: Sequence[Path], parameters: dict[str, Any]) -> str:
+    """SHA-256 of the scan files, the tables of the user and the parameters, in hexadecimal."""
     whole = hashlib.sha256(json.dumps(parameters, sort_keys=True).encode())
-    for file in [*files, *([rooms_csv] if rooms_csv is not None else [])]:
+    for file in [*files, *tables]:
         with file.open("rb") as stream:
             whole.update(hashlib.file_digest(stream, "sha256").digest())
     return whole.hexdigest()

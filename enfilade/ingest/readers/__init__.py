@@ -4,20 +4,52 @@ from __future__ import annotations
 
 import glob
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 from enfilade.errors import InputError
 from enfilade.ingest.records import Scan
+from enfilade.progress import Progress, Silent
 
-from . import e57
+from . import e57, las, pcd, ply, ptx
+from .frame import AUTO, UNITS, in_metres
 from .positions import read_positions
+from .trajectory import read_trajectory
 from .whereabouts import Whereabouts
 
 Reader = Callable[[Path, Whereabouts], Iterator[Scan]]
 
-READERS: Final[Mapping[str, Reader]] = {".e57": e57.read}
+READERS: Final[Mapping[str, Reader]] = {
+    ".e57": e57.read,
+    ".ptx": ptx.read,
+    ".ply": ply.read,
+    ".pcd": pcd.read,
+    ".las": las.read,
+    ".laz": las.read,
+}
 """Reader of each suffix, lower case."""
+
+_SILENT: Final = Silent()
+
+
+@dataclass(frozen=True, slots=True)
+class ReadingParameters:
+    """How the coordinates of the files are understood.
+
+    Attributes
+    ----------
+    units
+        Unit of the scans: ``m``, ``mm``, ``cm``, ``ft``, ``in``, or ``auto`` to find it.
+    up
+        Axis that points up: ``z``, ``y``, or ``auto`` to find it.
+    place_spacing_m
+        A moving scanner is at a new place, which is one scan, where it is this far from all places before.
+    """
+
+    units: str = AUTO
+    up: str = AUTO
+    place_spacing_m: float = 1.5
 
 
 def scan_files(sources: Sequence[Path]) -> tuple[Path, ...]:
@@ -35,27 +67,46 @@ def scan_files(sources: Sequence[Path]) -> tuple[Path, ...]:
     return tuple(dict.fromkeys(files))
 
 
-def read_scans(sources: Sequence[Path], *, positions: Path | None = None) -> Iterator[Scan]:
-    """Read the scans of all `sources` (files, folders or patterns), one at a time.
+def read_scans(
+    sources: Sequence[Path],
+    parameters: ReadingParameters = ReadingParameters(),
+    *,
+    positions: Path | None = None,
+    trajectory: Sequence[Path] = (),
+    progress: Progress = _SILENT,
+) -> Iterator[Scan]:
+    """Read the scans of all `sources` (files, folders or patterns), one at a time, in metres with z up.
 
     Parameters
     ----------
     sources
         Where the scans are.
+    parameters
+        Unit, vertical axis and places of a moving scanner.
     positions
         Table of scanner positions (``scan,x,y,z`` or ``file,x,y,z``), which go before those in the files.
+    trajectory
+        Files of the way of a moving scanner, for LAS and LAZ.
+    progress
+        Hears what the user should know.
 
     Raises
     ------
     InputError
-        A file, a folder or the table cannot be used; the message names it and the cause.
+        A file, a folder or a table cannot be used; the message names it and the cause.
     """
     table = read_positions(positions) if positions is not None else None
-    whereabouts = Whereabouts(table)
-    for file in scan_files(sources):
+    spacing = parameters.place_spacing_m / UNITS.get(parameters.units, 1.0)
+    way = read_trajectory(trajectory, spacing) if trajectory else None
+    scans = _read(scan_files(sources), Whereabouts(table, way, progress.note))
+    return in_metres(scans, parameters.units, parameters.up, progress.note)
+
+
+def _read(files: Sequence[Path], whereabouts: Whereabouts) -> Iterator[Scan]:
+    for file in files:
         yield from READERS[file.suffix.lower()](file, whereabouts)
-    if table is not None:
-        table.refuse_unused()
+    if whereabouts.table is not None:
+        whereabouts.table.refuse_unused()
 
 
 def _files_of(source: Path) -> list[Path]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
@@ -12,6 +13,7 @@ from enfilade.errors import InputError
 from enfilade.ingest.records import F64
 
 from .positions import PositionTable
+from .trajectory import Trajectory
 
 _FARTHEST: Final = 1e9
 
@@ -24,9 +26,15 @@ class Whereabouts:
     ----------
     table
         Positions from the user's table; they go before those of the files.
+    trajectory
+        The way of a moving scanner.
+    say
+        Hears what the user should know.
     """
 
     table: PositionTable | None = None
+    trajectory: Trajectory | None = None
+    say: Callable[[str], None] = lambda sentence: None
     _at_origin: list[str] = field(default_factory=list)
 
     def scanner(self, path: Path, name: str, own: F64 | None, *, is_default: bool = False) -> F64:
