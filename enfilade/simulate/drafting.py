@@ -127,7 +127,10 @@ def _abut(a: Rectangle, b: Rectangle) -> bool:
 
 
 def with_closets(drafts: Sequence[Draft], count: int, random: Generator) -> list[Draft]:
-    """Carve closets back to back out of rooms that lie side by side, which makes these L-shaped."""
+    """Carve closets back to back out of rooms that lie side by side, which makes these L-shaped.
+
+    Where no two rooms are large enough, one closet is carved out of the largest.
+    """
     found = list(drafts)
     pairs = [(a, b) for a, b in pairwise(range(len(drafts))) if _pairable(drafts[a], drafts[b])]
     random.shuffle(pairs)
@@ -137,24 +140,36 @@ def with_closets(drafts: Sequence[Draft], count: int, random: Generator) -> list
             continue
         count -= 1
         used |= {a, b}
-        _carve(found, a, b, random)
+        _carve(found, {a: 1, b: -1}, random)
+    whole = [k for k, d in enumerate(drafts) if d.use == ROOM and _rectangular(d) and min(_extent(d)) > 2.2]
+    if not used and whole:
+        _carve(found, {max(whole, key=lambda k: drafts[k].area): 1}, random)
     return found
+
+
+def _rectangular(draft: Draft) -> bool:
+    return len(draft.polygon.exterior.coords) == 5 and not draft.polygon.interiors
+
+
+def _extent(draft: Draft) -> tuple[float, float]:
+    x0, y0, x1, y1 = draft.polygon.bounds
+    return x1 - x0, y1 - y0
 
 
 def _pairable(a: Draft, b: Draft) -> bool:
     """Whether two rooms lie side by side along x, are rectangles, and large enough to give a closet away."""
     (_, ay0, ax1, ay1), (bx0, by0, _, by1) = a.polygon.bounds, b.polygon.bounds
-    whole = all(d.use == ROOM and d.area > 9.0 and len(d.polygon.exterior.coords) == 5 for d in (a, b))
-    wide = all(np.ptp(d.polygon.bounds[0::2]) > 2.6 for d in (a, b))
+    whole = all(d.use == ROOM and d.area > 9.0 and _rectangular(d) for d in (a, b))
+    wide = all(_extent(d)[0] > 2.6 for d in (a, b))
     return whole and wide and 0 < bx0 - ax1 < 0.6 and ay0 == by0 and ay1 == by1
 
 
-def _carve(found: list[Draft], a: int, b: int, random: Generator) -> None:
-    """Both closets stand in the corner farther from the corridor or nearer to it, on either side of the wall."""
-    y0, y1 = found[a].polygon.bounds[1::2]
+def _carve(found: list[Draft], sides: dict[int, int], random: Generator) -> None:
+    """Carve a closet out of each room at its high (1) or low (-1) end along x, all in the corners on one side."""
+    y0, y1 = found[min(sides)].polygon.bounds[1::2]
     length = round(float(random.uniform(1.15, 1.7)), 2)
     span = (y0, y0 + length) if random.random() < 0.5 else (y1 - length, y1)
-    for place, side in ((a, 1), (b, -1)):
+    for place, side in sides.items():
         deep = round(float(random.uniform(0.65, 0.95)), 2)
         x0, _, x1, _ = found[place].polygon.bounds
         closet = (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import count, pairwise
 
@@ -156,11 +157,13 @@ class _Maker:
         outdoors = 2 + int(self._random.integers(2)) if self._has("outside scans") else 0
         ground = -round(float(self._random.uniform(0.12, 0.5)), 2)
         grounds = grounds_of(layouts[0].outline, ground, outdoors, self._random)
-        levels = tuple(self._level(*named, storey) for named, storey in zip(self._floors(), storeys, strict=True))
+        levels = [self._level(*named, storey) for named, storey in zip(self._floors(), storeys, strict=True)]
+        if self._has("unscanned"):
+            levels = _with_unscanned(levels)
         return Plan(
             self._name,
             layouts[0].outline,
-            levels,
+            tuple(levels),
             stairs,
             _SLAB_M,
             GARDEN_M,
@@ -259,7 +262,7 @@ class _Maker:
     def _set_holes(self, storey: Storey, name: str) -> None:
         reached = storey.link()
         self._drop(storey, reached)
-        if name == "Ground floor":
+        if storey.floors[0] - storey.drafts[0].raised == 0.0:
             leaf = Leaf(0.0, 0)
             any(
                 storey.entrance(k, leaf)
@@ -315,6 +318,17 @@ class _Maker:
             tuple(storey.fixtures[k]),
             scanned=draft.use != CLOSET and not skipped,
         )
+
+
+def _with_unscanned(levels: Sequence[Level]) -> list[Level]:
+    """See to it that there is a room without scans: if there is none, the smallest becomes one."""
+    spaces = [space for level in levels for space in level.spaces]
+    if not all(space.scanned for space in spaces):
+        return list(levels)
+    smallest = min(spaces, key=lambda space: space.polygon.area)
+    return [
+        replace(level, spaces=tuple(replace(s, scanned=s is not smallest) for s in level.spaces)) for level in levels
+    ]
 
 
 _DWELLING = (

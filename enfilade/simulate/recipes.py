@@ -60,7 +60,7 @@ FEATURES: Final[dict[str, str]] = {
     "attic": "sloped ceilings under a roof",
     "balcony": "a balcony",
     "basement": "a basement",
-    "closets": "closets back to back, which make rooms L-shaped",
+    "closets": "closets, mostly back to back, which make rooms L-shaped",
     "columns": "columns",
     "cramped": "much lying about",
     "double height": "a room over two storeys with a gallery",

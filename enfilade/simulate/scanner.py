@@ -14,6 +14,8 @@ from .solids import F64, Mesh, unit_normals
 
 Generator = np.random.Generator
 _DARKNESS = 7
+_CLEAR_M = 1e-3
+"""How far off a mirror a ray starts that it throws back."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,10 +213,12 @@ class Tracer:
         normal = hits.normal[rays]
         along = np.einsum("ij,ij->i", normal, directions[rays])
         turned = directions[rays] - 2 * along[:, None] * normal
-        starts = hits.points[rays] + 1e-3 * turned
+        starts = hits.points[rays] + _CLEAR_M * turned
         ranges, triangle = self._solids.cast(starts, turned)
         met = self._hits_of(ranges, np.where(triangle >= 0, self._solid_ids[triangle], -1), starts, turned)
-        there = _Hits(hits.ranges[rays] + ranges, met.triangle, _unturned(met.normal, normal), met.points, met.stray)
+        there = _Hits(
+            hits.ranges[rays] + _CLEAR_M + ranges, met.triangle, _mirrored(met.normal, normal), met.points, met.stray
+        )
         hits.replaced(rays, there, triangle=met.triangle.astype(np.int32))
 
     def _first_hits(self, station: F64, directions: F32, generator: Generator) -> tuple[F32, NDArray[np.int32]]:
@@ -310,7 +314,7 @@ def _small_rotation(angles: F64) -> F64:
     return rotation
 
 
-def _unturned(normal: F32, mirror: F32) -> F32:
+def _mirrored(normal: F32, mirror: F32) -> F32:
     """``(K, 3)`` normals as a mirror of normals `mirror` shows them."""
     shown: F32 = normal - 2 * np.einsum("ij,ij->i", normal, mirror)[:, None] * mirror
     return shown

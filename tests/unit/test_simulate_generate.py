@@ -133,3 +133,10 @@ def test_a_turned_building_is_the_same_building():
     turned = generate(4).scene
     assert abs(np.mean(turned.mesh.vertices[:, :2])) > 10
     assert {round(float(abs(o.axis[0])), 3) for o in turned.openings} != {0.0, 1.0}
+
+
+def test_a_building_that_should_have_them_has_closets_columns_mirrors_and_rooms_without_scans():
+    assert any(room.name.startswith("Closet") for room in generate(9).scene.rooms)
+    assert any(len(room.outline) > 1 for room in generate(15).scene.rooms)
+    assert scene_of(2).mirror.any()
+    assert not all(room.scanned for room in scene_of(58).rooms)

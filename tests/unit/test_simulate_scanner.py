@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 from simulated_scenes import box_room
 
-from enfilade.simulate import Scanner
-from enfilade.simulate.plan import Hole, Piece
+from enfilade.simulate import FAULTS, Scanner
+from enfilade.simulate.build import build
+from enfilade.simulate.casting import Caster
+from enfilade.simulate.crowd import Crowd, person
+from enfilade.simulate.plan import Hole, Level, Mirror, Piece, Plan, Space, rectangle
 from enfilade.simulate.scanner import Pose, Tracer, ray_grid, rotation_about_z
 from enfilade.simulate.solids import block
 
@@ -153,3 +156,69 @@ def test_intensity_lies_in_zero_to_one():
     seen = scan(box_room(), EXACT)
     assert seen.intensity.min() >= 0.0
     assert 0.3 < seen.intensity.max() <= 1.0
+
+
+def mirror_room():
+    """Return the box room with a mirror 1 m wide and 1.5 m high in the middle of its wall x = 4."""
+    mirror = Mirror((4.0, 1.5), 180.0, 1.0, 1.5, 0.5)
+    level = Level("Ground", 0.0, 2.5, (Space("Room", rectangle(0, 4, 0, 3), mirrors=(mirror,)),))
+    return build(Plan("mirrors", rectangle(-0.2, 4.2, -0.2, 3.2), (level,), garden=0.0))
+
+
+def test_a_mirror_shows_the_room_behind_itself_and_that_is_stray():
+    seen = scan(mirror_room(), EXACT)
+    behind = seen.pose.apply(seen.local)[:, 0] > 4.01
+    assert behind.sum() > 500
+    assert (seen.stray == behind).all()
+    true = seen.hit[seen.stray]
+    shown = seen.pose.apply(seen.local[seen.stray])
+    assert distance_to_room(true).max() < 1e-4
+    reflected = true * [-1, 1, 1] + [2 * 3.99, 0, 0]
+    assert shown == pytest.approx(reflected, abs=1e-3)
+
+
+def test_people_stand_in_the_way_and_are_stray():
+    people = person(1.8).moved([2.8, 1.2, 0.0])
+    seen = Tracer(box_room(), EXACT).scan("Scan", STATION, np.random.default_rng(7), people)
+    assert seen.stray.sum() > 300
+    assert (seen.triangle[seen.stray] == -1).all()
+    assert Caster(people).distance(seen.hit[seen.stray]).max() < 1e-4
+    assert distance_to_room(seen.hit[~seen.stray]).max() < 1e-4
+
+
+def test_a_crowd_stands_elsewhere_in_each_scan_but_on_the_floor():
+    crowd = Crowd(box_room().mesh)
+    assert crowd.about(STATION, 0.0, np.random.default_rng(1)) is None
+    bodies = [crowd.about(STATION, 3.0, np.random.default_rng(seed)) for seed in range(5)]
+    bodies = [body for body in bodies if len(body.vertices)]
+    assert len({float(body.vertices[0, 0]) for body in bodies}) == len(bodies) > 1
+    for body in bodies:
+        low, high = body.bounds
+        assert low[2] == pytest.approx(0.0, abs=1e-5)
+        assert (low[:2] > 0).all()
+        assert (high < [4, 3, 2.5]).all()
+
+
+def test_dark_surfaces_lose_rays_and_the_others_do_not():
+    scene = box_room()
+    bright, dim = (scan(scene, replace(EXACT, dark_share=share, dark_loss=0.9)) for share in (0.0, 0.5))
+    before, after = (np.bincount(scene.surface[s.triangle], minlength=scene.surface.max() + 1) for s in (bright, dim))
+    share = after[before > 300] / before[before > 300]
+    assert (share > 0.99).any()
+    assert (share < 0.2).any()
+    assert not ((share > 0.2) & (share < 0.99)).any()
+
+
+def test_faults_grow_from_light_to_heavy():
+    for name in (
+        "range_noise_m",
+        "mixed_share",
+        "glass_return",
+        "dropout",
+        "people",
+        "registration_m",
+        "registration_deg",
+    ):
+        light, medium, heavy = (getattr(FAULTS[level], name) for level in ("light", "medium", "heavy"))
+        assert light < heavy
+        assert light <= medium <= heavy
