@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from enfilade.errors import InputError
 
+from .parallel import in_slices
 from .records import F32, F64, I32, Bool
 
 I64 = NDArray[np.int64]
@@ -60,7 +61,7 @@ class CellGrid:
         if self.size * layers >= 2**63:
             raise InputError("the points are spread too wide for one building: remove stray points, check the units")
         key = np.zeros(len(positions), np.int64) if layer is None else layer.astype(np.int64)
-        _add_cells(key, positions, self.lowest, self.shape, self.cell_m)
+        in_slices(_add_cells, len(key), key, positions, self.lowest, self.shape, self.cell_m)
         return key
 
     def row_offsets(self) -> I64:
@@ -94,9 +95,11 @@ def tile_rectangles(cells: Bool) -> I64:
 
 
 @njit(cache=True, nogil=True)
-def _add_cells(keys: I64, positions: F32, lowest: I64, shape: I64, cell_m: float) -> None:
-    """Put the cell of each position behind what its key holds already."""
-    for i in range(len(keys)):
+def _add_cells(
+    first: int, past: int, keys: I64, positions: F32, lowest: I64, shape: I64, cell_m: float
+) -> None:
+    """Put the cell of positions `first` to `past` behind what their keys hold already."""
+    for i in range(first, past):
         for axis in range(3):
             index = np.int64(np.floor(np.float64(positions[i, axis]) / cell_m))
             keys[i] = keys[i] * shape[axis] + index - lowest[axis]

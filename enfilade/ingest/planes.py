@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 
 from .cells import CellGrid, Gathered, neighbour_rows
 from .moments import MOMENTS, add_point, fit_plane
+from .parallel import in_slices
 from .records import F32, F64, I32, Bitmap, Planes, Surfels
 
 I64 = NDArray[np.int64]
@@ -71,7 +72,9 @@ def _grow_planes(surfels: Surfels, parameters: PlaneParameters) -> I32:
     rows = neighbour_rows(keys, offsets)
     positions, normals = surfels.positions[order], surfels.normals[order]
     tolerance, cosine = parameters.distance_m, float(np.cos(np.radians(parameters.angle_deg)))
-    seeds = np.argsort(-_flatness(keys, offsets, rows, positions, normals), kind="stable")
+    flat = np.zeros(len(keys), np.int32)
+    in_slices(_count_flat, len(keys), flat, keys, offsets, rows, positions, normals)
+    seeds = np.argsort(-flat, kind="stable")
     least = int(np.ceil(parameters.least_area_m2 / parameters.surfel_cell_m**2))
     grown = _grow(keys, offsets, rows, positions, normals, seeds, tolerance, cosine, least)
     fitted, centres = _fit(positions, normals, grown)
@@ -80,12 +83,13 @@ def _grow_planes(surfels: Surfels, parameters: PlaneParameters) -> I32:
     return plane
 
 
-@njit(cache=True)
-def _flatness(keys: I64, offsets: I64, rows: I32, positions: F32, normals: F32) -> I32:
-    """Count, for each surfel, the neighbours with much the same normal on much the same plane."""
+@njit(cache=True, nogil=True)
+def _count_flat(
+    first: int, past: int, flat: I32, keys: I64, offsets: I64, rows: I32, positions: F32, normals: F32
+) -> None:
+    """Count, for surfels `first` to `past`, the neighbours with much the same normal on much the same plane."""
     n = len(keys)
-    flat = np.zeros(n, np.int32)
-    for i in range(n):
+    for i in range(first, past):
         for k in range(9):
             at = rows[i, k]
             while at < n and keys[at] <= keys[i] + offsets[k] + 2:
@@ -97,7 +101,6 @@ def _flatness(keys: I64, offsets: I64, rows: I32, positions: F32, normals: F32) 
                 if cosine > 0.98 and abs(height) < 0.01:
                     flat[i] += 1
                 at += 1
-    return flat
 
 
 @njit(cache=True)

@@ -46,7 +46,8 @@ def make_surfels(cloud: ThinnedCloud, parameters: SurfelParameters = SurfelParam
     views = Gathered.by(grid.keys(cloud.positions, cloud.scan))
     scan, cell = np.divmod(views.keys, grid.size)
     low = np.asarray(grid.lowest * grid.cell_m, np.float64)
-    moments = _moments(cloud.positions, views.order, views.bounds, low)
+    moments = np.zeros((len(views), MOMENTS))
+    in_slices(_add_points, len(views), moments, cloud.positions, views.order, views.bounds, low)
     towards = cloud.scanner_positions.astype(np.float64) - low
     normals = np.zeros((len(views), 3))
     least = parameters.least_points, parameters.least_spread_m**2
@@ -59,14 +60,12 @@ def make_surfels(cloud: ThinnedCloud, parameters: SurfelParameters = SurfelParam
 
 
 @njit(cache=True, nogil=True)
-def _moments(positions: F32, order: I64, bounds: I64, low: F64) -> F64:
-    """``(n, 10)`` moments of each view, its points being ``order[bounds[i]:bounds[i + 1]]``."""
-    moments = np.zeros((len(bounds) - 1, MOMENTS))
-    for i in range(len(bounds) - 1):
+def _add_points(first: int, past: int, moments: F64, positions: F32, order: I64, bounds: I64, low: F64) -> None:
+    """Fill in the moments of views `first` to `past`; the points of view i are ``order[bounds[i]:bounds[i + 1]]``."""
+    for i in range(first, past):
         for at in range(bounds[i], bounds[i + 1]):
             x, y, z = positions[order[at]]
             add_point(moments[i], x - low[0], y - low[1], z - low[2])
-    return moments
 
 
 @njit(cache=True, nogil=True)
