@@ -12,7 +12,7 @@ from enfilade.errors import InputError
 from enfilade.ingest.records import Scan
 from enfilade.progress import Progress, Silent
 
-from . import e57, las, pcd, ply, ptx
+from . import e57, pcd, ply, ptx
 from .frame import AUTO, UNITS, in_metres
 from .positions import read_positions
 from .trajectory import read_trajectory
@@ -20,13 +20,21 @@ from .whereabouts import Whereabouts
 
 Reader = Callable[[Path, Whereabouts], Iterator[Scan]]
 
+
+def _read_las(path: Path, whereabouts: Whereabouts) -> Iterator[Scan]:
+    """LAS and LAZ; loaded when there are some, for laspy brings an HTTP client that takes as long as NumPy to load."""
+    from . import las
+
+    return las.read(path, whereabouts)
+
+
 READERS: Final[Mapping[str, Reader]] = {
     ".e57": e57.read,
     ".ptx": ptx.read,
     ".ply": ply.read,
     ".pcd": pcd.read,
-    ".las": las.read,
-    ".laz": las.read,
+    ".las": _read_las,
+    ".laz": _read_las,
 }
 """Reader of each suffix, lower case."""
 
