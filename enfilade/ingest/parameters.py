@@ -15,6 +15,7 @@ from .openings import OpeningParameters
 from .planes import PlaneParameters
 from .plans import RoomPlanParameters
 from .readers import ReadingParameters
+from .registration import RegistrationParameters
 from .rooms import RoomParameters
 from .storeys import StoreyParameters
 from .surfels import SurfelParameters
@@ -28,6 +29,7 @@ class Parameters:
     reading: ReadingParameters = field(default_factory=ReadingParameters)
     thinning: ThinningParameters = field(default_factory=ThinningParameters)
     surfels: SurfelParameters = field(default_factory=SurfelParameters)
+    registration: RegistrationParameters = field(default_factory=RegistrationParameters)
     planes: PlaneParameters = field(default_factory=PlaneParameters)
     groups: GroupParameters = field(default_factory=GroupParameters)
     rooms: RoomParameters = field(default_factory=RoomParameters)

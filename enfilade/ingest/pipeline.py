@@ -26,6 +26,7 @@ from .planes import find_planes
 from .plans import draw_plans
 from .provenance import provenance
 from .readers import read_scans, scan_files
+from .registration import check_registration
 from .rooms import label_rooms
 from .stopwatch import Stopwatch
 from .storeys import find_storeys
@@ -98,6 +99,7 @@ def ingest(
     cloud = thin(scans, parameters.thinning, progress=watch)
     watch.start("surfels")
     surfels = make_surfels(cloud, parameters.surfels)
+    check_registration(cloud, surfels, parameters.registration, progress=watch)
     watch.start("planes")
     planes = find_planes(surfels, parameters.planes)
     _need(planes.bitmaps, files, "no walls, floors or ceilings")
