@@ -120,7 +120,8 @@ def _groups(
 ) -> Iterator[I32]:
     """Split the loose points of a room into those of its segments."""
     positions = cloud.positions[members].astype(np.float64)
-    remains = Remains(room, openings, structure.flights, parameters)
+    flights = [flight for flight in structure.flights if flight.touches(room.bounds, parameters.outline_reach_m)]
+    remains = Remains(room, openings, flights, parameters)
     surfel = surfels.point_surfel[members]
     sides = _with_depth(structure, room, parameters)
     off = standing_off(positions, surfel < 0, sides, surfels, parameters.max_relief_m)

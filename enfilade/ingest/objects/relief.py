@@ -96,7 +96,7 @@ def _wall(side: Side, strip: Bool, surfels: Surfels) -> _Wall:
     used = strip if wide else np.ones(len(depth), dtype=bool)
     line = np.column_stack([np.ones(len(depth)), places[:, 0] - places[:, 0].mean()])
     face, scatter = np.full(len(depth), np.median(depth[used])), 0.03
-    for _ in range(5):
+    for _ in range(3):
         near = used & (np.abs(depth - face) < 3 * scatter)
         if near.sum() < LEAST_SURFELS // 2:
             break

@@ -14,6 +14,8 @@ from enfilade.ingest.objects.stairs import Flight
 from enfilade.ingest.records import F64, Bool, Opening, Room
 
 CELL_M: Final = 0.05
+ENOUGH: Final = 2000
+"""So many points tell of a segment what there is to know."""
 MOST: Final = 0.8
 """A segment is what this share of its points are."""
 
@@ -56,6 +58,8 @@ class Remains:
         standing_off
             ``(n,)`` how far they stand off the nearest side.
         """
+        step = max(len(points) // ENOUGH, 1)
+        points, standing_off = points[::step], standing_off[::step]
         return (
             self._clings(points, standing_off)
             or not self._inside(points)
@@ -130,8 +134,8 @@ class Remains:
         if not self.room.outline:
             return True
         outline = shapely.Polygon(self.room.outline[0]).buffer(self.parameters.outline_reach_m)
-        some = points[:: max(len(points) // 200, 1)]
-        return bool(shapely.contains_xy(outline, some[:, 0], some[:, 1]).mean() >= 0.5)
+        shapely.prepare(outline)
+        return bool(shapely.contains_xy(outline, points[:, 0], points[:, 1]).mean() >= 0.5)
 
     def _beside_stairs(self, points: F64) -> bool:
         """Whether most of the points lie so close to a flight that they are its strings, rails and balusters."""

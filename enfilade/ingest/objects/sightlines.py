@@ -9,14 +9,11 @@ from functools import lru_cache
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy import ndimage
+from numba import njit
 
 from enfilade.ingest.objects.parameters import ObjectParameters
 from enfilade.ingest.objects.segments import thin
 from enfilade.ingest.records import F32, F64, I32, ThinnedCloud
-
-I64 = NDArray[np.int64]
 
 BIN_DEG: Final = 0.3
 MOST_SCANS: Final = 6
@@ -63,28 +60,47 @@ class Sightlines:
 
     def _share_seen_through(self, points: F64, scan: int) -> float:
         """Share of the points, of those that nothing hides from a scan, behind which its rays end."""
-        row, column, distance = _bins(points - self._cloud.scanner_positions[scan])
-        depth = self._depths(scan)[row, column]
+        rays = points - self._cloud.scanner_positions[scan]
+        distance, depth = np.linalg.norm(rays, axis=1), _look_up(self._depths(scan), rays)
         margin = self._parameters.min_behind_m
         in_view = depth > distance - margin
         behind = np.isfinite(depth) & (depth > distance + margin)
         return float(behind.sum() / in_view.sum()) if in_view.mean() > LEAST_IN_VIEW else 0.0
 
     def _measure_depths(self, scan: int) -> F32:
-        """Least distance that a scan measured in each direction, that of the next ones where it measured none."""
+        """Least distance that a scan measured in each direction, infinite where it measured none."""
         own = self._order[self._ends[scan - 1] if scan else 0 : self._ends[scan]]
-        row, column, distance = _bins(
-            self._cloud.positions[own].astype(np.float64) - self._cloud.scanner_positions[scan]
-        )
-        depths = np.full((round(180 / BIN_DEG) + 1, round(360 / BIN_DEG) + 1), np.inf, dtype=np.float32)
-        np.minimum.at(depths, (row, column), distance.astype(np.float32))
-        around = ndimage.minimum_filter(depths, 3, mode=("nearest", "wrap"))
-        return np.where(np.isfinite(depths), depths, around).astype(np.float32)
+        return _draw(self._cloud.positions[own].astype(np.float64) - self._cloud.scanner_positions[scan])
 
 
-def _bins(rays: F64) -> tuple[I64, I64, F64]:
-    """Rows (by elevation) and columns (by azimuth) of the directions, and the lengths."""
-    distance = np.linalg.norm(rays, axis=1)
-    elevation = np.degrees(np.arcsin(np.clip(rays[:, 2] / np.maximum(distance, 1e-9), -1, 1))) + 90
-    azimuth = np.degrees(np.arctan2(rays[:, 1], rays[:, 0])) + 180
-    return (elevation / BIN_DEG).astype(np.int64), (azimuth / BIN_DEG).astype(np.int64), distance
+@njit(cache=True)
+def _draw(rays: F64) -> F32:
+    """Draw the least length of the rays in each bin of elevation (rows) and azimuth."""
+    depths = np.full((round(180 / BIN_DEG) + 1, round(360 / BIN_DEG) + 1), np.inf, np.float32)
+    for i in range(len(rays)):
+        row, column, distance = _bin(rays[i, 0], rays[i, 1], rays[i, 2])
+        depths[row, column] = min(depths[row, column], distance)
+    return depths
+
+
+@njit(cache=True)
+def _look_up(depths: F32, rays: F64) -> F32:
+    """``(n,)`` depth in the direction of each ray, the least of the eight bins around where its own is empty."""
+    rows, columns = depths.shape
+    found = np.full(len(rays), np.inf, np.float32)
+    for i in range(len(rays)):
+        row, column, _ = _bin(rays[i, 0], rays[i, 1], rays[i, 2])
+        found[i] = depths[row, column]
+        if np.isinf(found[i]):
+            for a in range(max(row - 1, 0), min(row + 2, rows)):
+                for b in range(column - 1, column + 2):
+                    found[i] = min(found[i], depths[a, b % columns])
+    return found
+
+
+@njit(cache=True)
+def _bin(x: float, y: float, z: float) -> tuple[int, int, float]:
+    distance = max(np.sqrt(x * x + y * y + z * z), 1e-9)
+    elevation = np.degrees(np.arcsin(z / distance)) + 90.0
+    azimuth = np.degrees(np.arctan2(y, x)) + 180.0
+    return int(elevation / BIN_DEG), int(azimuth / BIN_DEG), distance

@@ -42,6 +42,10 @@ class Flight:
     treads: F64
     plan: shapely.Geometry
 
+    def touches(self, bounds: F64, reach_m: float) -> bool:
+        """Whether the flight lies within bounds, ``(6,)`` low and high corner, on the plan, or as near as that."""
+        return bool(shapely.dwithin(shapely.box(bounds[0], bounds[1], bounds[3], bounds[4]), self.plan, reach_m))
+
     def near(self, points: F64, beside_m: float, below_m: float, above_m: float) -> Bool:
         """``(n,) bool``: which points lie over or under the flight, or beside it, by so much at most."""
         found = np.zeros(len(points), dtype=bool)

@@ -260,7 +260,10 @@ def _bay(cells: F64, parameters: ObjectParameters) -> NDArray[np.bool_] | None:
     """
     hull, margin = _hull(cells), parameters.min_board_m
     covered = len(cells) * parameters.plan_cell_m**2 / _area(hull)
-    if len(cells) < 2 * LEAST_CELLS or not parameters.min_fill * parameters.min_convexity < covered < 1:
+    if (
+        len(cells) < 2 * LEAST_CELLS
+        or not parameters.min_fill * parameters.min_convexity < covered < parameters.min_convexity
+    ):
         return None
     frame, extent = _frame(cells)
     place = cells @ frame
