@@ -7,6 +7,7 @@ are metres relative to the building's origin. Index arrays use -1 for "none".
 from __future__ import annotations
 
 from collections.abc import Iterable
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -295,7 +296,7 @@ class Opening:
     """A hole between two rooms, or between a room and the outside (`room_b` is None) (§5.2).
 
     `sill` is how high it begins over the floor, `lintel` how much wall there is over it, 0 for a passage, None for one
-    in a floor.
+    in a floor; `evidence` is what `confidence` was made of, by name.
     """
 
     kind: str
@@ -312,6 +313,7 @@ class Opening:
     state: str | None
     confidence: float
     lintel: float | None = None
+    evidence: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

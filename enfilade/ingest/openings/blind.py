@@ -16,6 +16,7 @@ from scipy import ndimage
 from scipy.spatial import cKDTree
 from shapely import Point, Polygon, STRtree, box
 
+from enfilade.ingest.openings.confidence import probability
 from enfilade.ingest.openings.grid import Grid, bridged, opened, values
 from enfilade.ingest.openings.holes import Hole, measure_hole
 from enfilade.ingest.openings.parameters import OpeningParameters
@@ -35,9 +36,6 @@ AROUND_M: Final = 0.3
 
 RIVAL_M: Final = 3.0
 """Openings whose middles are farther apart than this never overlap by much."""
-
-DOUBT: Final = 0.5
-"""Factor on the confidence of a door that nobody was seen to go through."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,7 +197,7 @@ def _opening(
     at_floor = hole.edges[1] - room.floor_elevation < FLOOR_M
     is_door = at_floor and hole.height > parameters.min_closed_height_m and hole.width < parameters.max_closed_width_m
     is_open = is_door and blind.passed > 0.5
-    if is_open and other is None:
+    if is_door and other is None:
         other = behind.room_in_line(hole)
     seen = sight.share(hole)
     if (is_door and not is_open and other is not None and blind.leaf < 0.5) or seen < 0.6:
@@ -212,6 +210,18 @@ def _opening(
     middle = (edges[:2] + edges[2:]) / 2
     a, b = (room.number, other) if other is None or room.number < other else (other, room.number)
     width, height = (edges[2:] - edges[:2]).tolist()
+    chosen = parameters.confidence
+    evidence = {
+        "framed": float(hole.bounded.mean()),
+        "filled": hole.fill,
+        "seen": seen,
+        "leaf": blind.leaf,
+        "passed": blind.passed,
+        "room_behind": float(other is not None),
+        "glazed": hole.pane,
+        "wide": min(width / 4.0, 1.0),
+        "high": min(height / 4.0, 1.0),
+    }
     return Opening(
         kind="door" if is_door else "window",
         orientation="horizontal",
@@ -225,8 +235,9 @@ def _opening(
         area=width * height,
         ray_count=int((hole.beyond > parameters.max_inset_m).sum()),
         state="open" if is_open else "closed",
-        confidence=float(np.mean([hole.bounded.mean(), hole.fill, seen])) * (DOUBT if is_door else 1.0),
+        confidence=probability(chosen.closed if is_door else chosen.outside, evidence),
         lintel=hole.lintel,
+        evidence=evidence,
     )
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from enfilade.ingest.openings.blind import BlindHole, find_blind_holes, open_blind
 from enfilade.ingest.openings.contacts import contact_sides
+from enfilade.ingest.openings.evidence import Walls
 from enfilade.ingest.openings.holes import Hole, find_holes
 from enfilade.ingest.openings.leads import group_holes, without_rivals
 from enfilade.ingest.openings.parameters import OpeningParameters
-from enfilade.ingest.openings.rays import rays_of, view_sides
+from enfilade.ingest.openings.rays import SideViews, rays_of, told_by_sight
 from enfilade.ingest.openings.sight import Sight
 from enfilade.ingest.openings.slabs import floor_sides, open_slab
 from enfilade.ingest.openings.walls import open_walls
@@ -52,18 +53,20 @@ def find_openings(
     holes: list[Hole] = []
     blind: list[BlindHole] = []
     reach = {"surface_m": chosen.surface_m, "front_m": chosen.front_m, "inset_m": chosen.max_inset_m}
-    for view in view_sides(rays, looked_at, surfels, **reach):
+    views = SideViews(rays, looked_at, surfels, **reach)
+    for view in views:
         holes.extend(find_holes(view, chosen))
         if view.side.vertical:
             blind.extend(find_blind_holes(view, known[view.side.room].floor_elevation, chosen))
+    rays = told_by_sight(rays, surfels, views.unhindered)
     doors = group_holes([hole for hole in holes if hole.side.vertical], rays, known, chosen)
-    openings = open_walls(doors, rays, known, neighbours, chosen)
+    backs = Walls(walls, surfels, chosen.max_gap_m)
+    openings = open_walls(doors, rays, known, neighbours, backs, chosen)
     lines = contact_sides(surfels, labels, known, openings, chosen)
-    views = view_sides(rays, lines, surfels, **reach)
-    found = (hole for view in views for hole in find_holes(view, chosen))
+    found = (hole for view in SideViews(rays, lines, surfels, **reach) for hole in find_holes(view, chosen))
     framed = [hole for hole in found if hole.bounded[0] and hole.bounded[2]]
     passages = without_rivals(group_holes(framed, rays, known, chosen), doors, chosen.max_gap_m)
-    openings += open_walls(passages, rays, known, neighbours, chosen)
+    openings += open_walls(passages, rays, known, neighbours, backs, chosen)
     slabs = group_holes([hole for hole in holes if hole.side.horizontal], rays, known, chosen)
     openings += [stairs for group in slabs if (stairs := open_slab(group, rays, known, surfels, chosen)) is not None]
     openings += open_blind(blind, walls, known, openings, surfels, Sight(surfels, rays), chosen)

@@ -19,6 +19,15 @@ from enfilade.ingest.sides import Side
 REACH_M: Final = 0.15
 """How far from the outermost ray the wall beside a hole may begin."""
 
+WALL_M: Final = 0.3
+"""Leaves and panes are no deeper behind the face of a wall."""
+
+PANE_M: Final = 0.1
+"""Side of the cells in which a pane is looked for."""
+
+LAYER_M: Final = 0.03
+"""Two layers of this thickness hold a pane or a leaf."""
+
 LEAST_POINTS: Final = 20
 """Fewer points over a hole are no wall."""
 
@@ -44,6 +53,9 @@ class Hole:
         Share of the rectangle that rays went through.
     lintel
         Height of the wall over it, metres.
+    pane
+        Share of its inner part where something between the faces of the wall sent rays back: all of it where a
+        leaf is closed, most of it where there is glass.
     """
 
     side: Side
@@ -55,6 +67,7 @@ class Hole:
     outbound: Bool
     fill: float
     lintel: float
+    pane: float
 
     @property
     def width(self) -> float:
@@ -146,6 +159,26 @@ def measure_hole(view: SideView, members: NDArray[np.int_], places: F64, cells: 
         outbound=view.outbound[members],
         fill=min(fill, 1.0),
         lintel=_wall_over(view.wall, edges),
+        pane=_pane(view, members, edges),
+    )
+
+
+def covered_share(places: F64, edges: F64, cell_m: float) -> float:
+    """Share of the cells of a rectangle, without a margin of one cell, that hold one of ``(n, 2)`` places."""
+    low, shape = edges[:2] + cell_m, np.maximum(((edges[2:] - edges[:2]) / cell_m).astype(int) - 2, 1)
+    cells = np.floor((places - low) / cell_m).astype(np.int64)
+    inside = ((cells >= 0) & (cells < shape)).all(axis=1)
+    return len(np.unique(cells[inside] @ np.array([shape[1], 1]))) / float(shape.prod())
+
+
+def _pane(view: SideView, members: NDArray[np.int_], edges: F64) -> float:
+    """Share of a hole that rays end in at one depth within the wall; reveals lie at its edges, leaves stand open."""
+    within = members[view.outbound[members] & (view.beyond[members] < WALL_M)]
+    places = np.concatenate([view.wall, view.end[within]])
+    depths = np.concatenate([np.zeros(len(view.wall)), view.beyond[within]])
+    layer = np.floor(depths / LAYER_M).astype(int)
+    return max(
+        covered_share(places[(layer == k) | (layer == k + 1)], edges, PANE_M) for k in range(int(WALL_M / LAYER_M))
     )
 
 

@@ -9,12 +9,18 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from shapely import Polygon, STRtree, box
+from shapely import LineString, Polygon, STRtree, box
 
 from enfilade.ingest.openings.holes import Hole
 from enfilade.ingest.openings.parameters import OpeningParameters
 from enfilade.ingest.openings.rays import Rays
-from enfilade.ingest.records import F64, I32, Room
+from enfilade.ingest.records import F64, I32, Bool, Room
+
+APART_M = 0.2
+"""A room whose plan is farther from a hole than the thickest wall and this does not begin behind it, ..."""
+
+CLOSE_M = 1.2
+"""... unless some of its points are this close behind."""
 
 NEAR_M = 1.0
 """A ray that ends this far behind a hole counts 1/e in the vote for the room there."""
@@ -78,10 +84,11 @@ def group_holes(
     -------
     Ordered by pair of rooms.
     """
+    plans = {number: Polygon(room.outline[0]) if room.outline else None for number, room in rooms.items()}
     leads: defaultdict[tuple[int, int], list[Lead]] = defaultdict(list)
     for hole in holes:
-        lead = _lead(hole, rays, parameters)
-        if lead is not None and lead.other in rooms:
+        lead = _lead(hole, rays, plans, parameters)
+        if lead is not None:
             leads[lead.pair].append(lead)
     groups = [
         Group(pair, tuple(sorted(facing, key=lambda lead: -len(lead.hole.ray))))
@@ -128,8 +135,10 @@ def through(group: Group, rays: Rays) -> I32:
     return np.asarray(ray[joins], dtype=np.int32)
 
 
-def _lead(hole: Hole, rays: Rays, parameters: OpeningParameters) -> Lead | None:
-    """Ask the rays through a hole which room is behind it; None if it is the room itself."""
+def _lead(
+    hole: Hole, rays: Rays, plans: Mapping[int, Polygon | None], parameters: OpeningParameters
+) -> Lead | None:
+    """Ask the rays through a hole which room is behind it; None if it is the room itself, or none that begins there."""
     room = hole.side.room
     far = np.where(hole.outbound, rays.to_room[hole.ray], rays.from_room[hole.ray])
     far[hole.beyond < parameters.max_gap_m] = -1  # on the reveal, which has no say
@@ -139,10 +148,25 @@ def _lead(hole: Hole, rays: Rays, parameters: OpeningParameters) -> Lead | None:
     if others.sum() < parameters.min_rays:
         return None
     votes = np.bincount(far[others], weight[others])
-    other = int(np.argmax(votes))
     total = float(votes.sum()) + same
-    lead = Lead(hole, other, float(votes[other]), float(votes[other]) / total, same / total)
-    return lead if lead.same < 0.6 else None
+    for other in np.argsort(-votes, kind="stable").tolist():
+        if votes[other] == 0.0:
+            break
+        if other in plans and _begins_behind(hole, far == other, plans[other], parameters):
+            lead = Lead(hole, other, float(votes[other]), float(votes[other]) / total, same / total)
+            return lead if lead.same < 0.6 else None
+    return None
+
+
+def _begins_behind(hole: Hole, to_it: Bool, plan: Polygon | None, parameters: OpeningParameters) -> bool:
+    """Whether a room that rays reach through a hole begins behind it: not so where another space lies between."""
+    if plan is None or hole.side.horizontal:
+        return True
+    middle = float(hole.centre[2])
+    ends = LineString([hole.side.point(u, middle)[:2] for u in hole.edges[[0, 2]]])
+    if ends.distance(plan) < parameters.max_gap_m + APART_M:
+        return True
+    return int((hole.beyond[to_it & hole.outbound] < CLOSE_M).sum()) >= parameters.min_rays
 
 
 def _facing(leads: list[Lead], max_gap_m: float) -> list[list[Lead]]:

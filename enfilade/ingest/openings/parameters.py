@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+from enfilade.ingest.openings.confidence import ConfidenceParameters
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +45,12 @@ class OpeningParameters:
         Smallest hole in a slab.
     storey_m
         Least difference of floors between rooms joined by stairs.
+    max_leaf_m
+        Widest leaf of a glazed door; wider panes are windows.
+    least_pane
+        A hole is glazed, or its leaf closed, where this share of it sends rays back.
+    confidence
+        Weights of the evidence.
     """
 
     cell_m: float = 0.025
@@ -65,3 +73,6 @@ class OpeningParameters:
     join_offset_m: float = 0.05
     min_stairs_area_m2: float = 0.3
     storey_m: float = 1.0
+    max_leaf_m: float = 1.3
+    least_pane: float = 0.5
+    confidence: ConfidenceParameters = field(default_factory=ConfidenceParameters)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -88,10 +88,8 @@ def rays_of(cloud: ThinnedCloud, surfels: Surfels, labels: RoomLabels) -> Rays:
     return Rays(cloud.positions, cloud.scanner_positions, cloud.scan, labels.scan_room[cloud.scan], to_room)
 
 
-def view_sides(
-    rays: Rays, sides: Sequence[Side], surfels: Surfels, *, surface_m: float, front_m: float, inset_m: float
-) -> Iterator[SideView]:
-    """Yield what the rays tell about each side.
+class SideViews:
+    """What the rays tell about sides: one `SideView` a side, in the order given.
 
     Parameters
     ----------
@@ -108,28 +106,69 @@ def view_sides(
     inset_m
         Rays that stay in one room go through a side if they end no farther behind it: in the leaf of a door.
     """
-    surfaces = [max(surface_m, NOISE * _scatter(side, surfels)) for side in sides]
-    grid = SideGrid(sides, surfaces, front_m=front_m, inset_m=inset_m)
-    leaves = (rays.from_room != rays.to_room) | (rays.to_room < 0)
-    leaving = np.flatnonzero(leaves).astype(np.int32)
-    through = grid.crossings(rays.end[leaving], rays.start, rays.scan[leaving])
-    at = grid.ends(rays.end, rays.start, rays.scan)
-    for number, side in enumerate(sides):
-        ends, crossings = at.of(number), through.of(number)
-        behind = at.depth[ends] > surfaces[number]
-        inset = behind & ~leaves[at.ray[ends]]
-        before = at.depth[ends] < -surfaces[number]
-        ray = np.concatenate([leaving[through.ray[crossings]], at.ray[ends][inset]])
-        yield SideView(
-            side,
-            ray,
-            np.concatenate([through.place[crossings], at.place[ends][inset]]).astype(np.float64),
-            rays.ends(ray) @ np.column_stack([side.u, side.v]),
-            np.concatenate([through.depth[crossings], at.depth[ends][inset]]).astype(np.float64),
-            np.concatenate([through.outbound[crossings], at.outbound[ends][inset]]),
-            at.place[ends][~behind & ~before].astype(np.float64),
-            at.place[ends][before].astype(np.float64),
-        )
+
+    def __init__(
+        self, rays: Rays, sides: Sequence[Side], surfels: Surfels, *, surface_m: float, front_m: float, inset_m: float
+    ) -> None:
+        self._rays, self._sides = rays, sides
+        self._surfaces = [max(surface_m, NOISE * _scatter(side, surfels)) for side in sides]
+        grid = SideGrid(sides, self._surfaces, front_m=front_m, inset_m=inset_m)
+        self._leaves = (rays.from_room != rays.to_room) | (rays.to_room < 0)
+        self._leaving = np.flatnonzero(self._leaves).astype(np.int32)
+        self._through = grid.crossings(rays.end[self._leaving], rays.start, rays.scan[self._leaving])
+        self._at = grid.ends(rays.end, rays.start, rays.scan)
+
+    def __iter__(self) -> Iterator[SideView]:
+        rays, at, through = self._rays, self._at, self._through
+        for number, (side, surface_m) in enumerate(zip(self._sides, self._surfaces, strict=True)):
+            ends, crossings = at.of(number), through.of(number)
+            behind, before = at.depth[ends] > surface_m, at.depth[ends] < -surface_m
+            inset = behind & ~self._leaves[at.ray[ends]]
+            ray = np.concatenate([self._leaving[through.ray[crossings]], at.ray[ends][inset]])
+            yield SideView(
+                side,
+                ray,
+                np.concatenate([through.place[crossings], at.place[ends][inset]]).astype(np.float64),
+                rays.ends(ray) @ np.column_stack([side.u, side.v]),
+                np.concatenate([through.depth[crossings], at.depth[ends][inset]]).astype(np.float64),
+                np.concatenate([through.outbound[crossings], at.outbound[ends][inset]]),
+                at.place[ends][~behind & ~before].astype(np.float64),
+                at.place[ends][before].astype(np.float64),
+            )
+
+    @property
+    def unhindered(self) -> Bool:
+        """``(N,)``: rays to places of no room, or of another, that go through no side at all."""
+        free: Bool = self._leaves.copy()
+        free[self._leaving[self._through.ray]] = False
+        return free
+
+
+def told_by_sight(rays: Rays, surfels: Surfels, unhindered: Bool) -> Rays:
+    """Take what belongs to no room for a part of the room that looks at it without looking through any wall.
+
+    The far end of a long corridor is such a part: seen, but not well enough to be labelled.
+
+    Parameters
+    ----------
+    rays
+        All rays.
+    surfels
+        What the rays of one surfel tell counts for all its points.
+    unhindered
+        From `SideViews`.
+    """
+    surfel = surfels.point_surfel
+    untold = (rays.to_room < 0) & (surfel >= 0)
+    told = np.flatnonzero(untold & unhindered & (rays.from_room >= 0))
+    count = int(rays.from_room.max(initial=0)) + 1
+    key, votes = np.unique(surfel[told].astype(np.int64) * count + rays.from_room[told], return_counts=True)
+    order = np.lexsort((-key, votes))  # the most votes last, of equals the lowest room
+    room = np.full(len(surfels.positions), -1, dtype=np.int32)
+    room[key[order] // count] = key[order] % count
+    to_room = rays.to_room.copy()
+    to_room[untold] = room[surfel[untold]]
+    return replace(rays, to_room=to_room)
 
 
 def _scatter(side: Side, surfels: Surfels) -> float:

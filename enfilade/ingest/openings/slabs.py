@@ -8,11 +8,12 @@ from typing import Final
 import numpy as np
 import shapely
 
+from enfilade.ingest.openings.confidence import probability
+from enfilade.ingest.openings.evidence import evidence_of_group
 from enfilade.ingest.openings.holes import Hole
 from enfilade.ingest.openings.leads import Group, through
 from enfilade.ingest.openings.parameters import OpeningParameters
 from enfilade.ingest.openings.rays import Rays
-from enfilade.ingest.openings.walls import confidence
 from enfilade.ingest.records import F64, Opening, Room, Surfels
 from enfilade.ingest.sides import UP, Side
 
@@ -63,6 +64,7 @@ def open_slab(
         return None
     (left, bottom), (right, top) = _stairwell(hole, lower, upper, surfels)
     width, height = sorted((right - left, top - bottom))
+    evidence = evidence_of_group(group, len(ray), hole.bounded, width)
     return Opening(
         kind="hatch" if max(hole.width, hole.height) <= MAX_HATCH_M else "stairs",
         orientation="vertical",
@@ -76,7 +78,8 @@ def open_slab(
         area=width * height * hole.fill,
         ray_count=len(ray),
         state="open",
-        confidence=confidence(group, len(ray), hole.bounded),
+        confidence=probability(parameters.confidence.through_floor, evidence),
+        evidence=evidence,
     )
 
 

@@ -8,6 +8,8 @@ from typing import Final
 
 import numpy as np
 
+from enfilade.ingest.openings.confidence import probability
+from enfilade.ingest.openings.evidence import Walls, evidence_of_group
 from enfilade.ingest.openings.leads import Group, interval, through
 from enfilade.ingest.openings.holes import Hole
 from enfilade.ingest.openings.parameters import OpeningParameters
@@ -43,6 +45,7 @@ def open_walls(
     rays: Rays,
     rooms: Mapping[int, Room],
     neighbours: tuple[Neighbour, ...],
+    walls: Walls,
     parameters: OpeningParameters,
 ) -> list[Opening]:
     """Turn groups of holes in walls into openings between two rooms.
@@ -57,15 +60,21 @@ def open_walls(
         By number.
     neighbours
         Pairs of rooms with a wall between them, and its thickness.
+    walls
+        Tell mirrors from holes.
     parameters
         Sizes and thresholds.
 
     Returns
     -------
-    One opening a group, without those that are too small, or beside or above one of the rooms.
+    One opening a group, without those that are too small, or beside or above one of the rooms, or mirrors.
     """
     gaps = {(n.room_a, n.room_b): n.gap for n in neighbours}
-    found = (_opening(group, rays, rooms, gaps.get(group.pair, 0.0), parameters) for group in groups)
+    found = (
+        _opening(group, rays, rooms, gaps.get(group.pair, 0.0), parameters)
+        for group in groups
+        if walls.covered(group.main) < parameters.least_pane
+    )
     return [opening for opening in found if opening is not None]
 
 
@@ -79,6 +88,11 @@ def _opening(
     ray = through(group, rays)
     if kind is None or len(ray) < parameters.min_rays or not all(_reaches(room, bottom, top) for room in pair):
         return None
+    width, height, lintel = right - left, top - bottom, max(lead.hole.lintel for lead in group.leads)
+    evidence = evidence_of_group(group, len(ray), doorway.bounded, width)
+    glazed = evidence["glazed"] > parameters.least_pane
+    if glazed and (lintel < parameters.min_lintel_m or width > parameters.max_leaf_m):
+        kind = "window"
     side = group.main.side
     position = side.point((left + right) / 2, (bottom + top) / 2) - doorway.depth * side.normal
     return Opening(
@@ -88,22 +102,16 @@ def _opening(
         room_b=group.pair[1],
         position=position,
         normal=side.normal,
-        width=right - left,
-        height=top - bottom,
+        width=width,
+        height=height,
         sill=bottom - doorway.floor,
-        area=(right - left) * (top - bottom),
+        area=width * height,
         ray_count=len(ray),
-        state="open",
-        confidence=confidence(group, len(ray), doorway.bounded),
-        lintel=0.0 if kind == "passage" else max(lead.hole.lintel for lead in group.leads),
+        state="closed" if glazed or kind == "window" else "open",
+        confidence=probability(parameters.confidence.through_wall, evidence),
+        lintel=0.0 if kind == "passage" else lintel,
+        evidence=evidence,
     )
-
-
-def confidence(group: Group, rays: int, bounded: Bool) -> float:
-    """Mean of four shares: rays (half at 50), edges with wall beside them, hole filled by rays, votes agreed."""
-    fill = max(lead.hole.fill for lead in group.leads)
-    share = max(lead.share for lead in group.leads)
-    return float(np.mean([rays / (rays + 50), bounded.mean(), fill, share]))
 
 
 def _measure(group: Group, rays: Rays, gap: float, floor: float) -> _Doorway:

@@ -1,0 +1,54 @@
+"""How sure an opening is: logistic models of what speaks for it, whose weights are parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+Weights = Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class ConfidenceParameters:
+    """Weights of the evidence, `constant` among them: confidence is ``1 / (1 + exp(-sum of weight times evidence))``.
+
+    They were fitted with ``bench/confidence.py`` on the develop half of the generated buildings.
+
+    Attributes
+    ----------
+    through_wall
+        Doors, passages and windows that rays go through to another room.
+    through_floor
+        Stairs and hatches.
+    closed
+        Doors that no ray goes through, and doors to the outside.
+    outside
+        Windows to the outside.
+    """
+
+    through_wall: Weights = field(
+        default_factory=lambda: {
+            "constant": 1.52,
+            "rays": 0.38,
+            "framed": 0.29,
+            "filled": 0.16,
+            "both_sides": 0.88,
+            "glazed": -1.19,
+        }
+    )
+    through_floor: Weights = field(default_factory=lambda: {"constant": 2.2})
+    closed: Weights = field(
+        default_factory=lambda: {"constant": -1.04, "framed": 0.57, "seen": 0.25, "leaf": 0.99, "room_behind": 0.33}
+    )
+    outside: Weights = field(
+        default_factory=lambda: {"constant": -0.41, "framed": 0.37, "seen": 0.1, "leaf": 1.33, "glazed": 0.86}
+    )
+
+
+def probability(weights: Weights, evidence: Mapping[str, float]) -> float:
+    """How sure an opening is, 0 to 1."""
+    known = {"constant": 1.0, **evidence}
+    total = sum(weight * known[name] for name, weight in weights.items())
+    return float(1.0 / (1.0 + np.exp(-total)))
