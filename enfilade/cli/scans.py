@@ -216,7 +216,8 @@ def evaluate_command(ctx: click.Context, prediction: Path, truth: Path, form: st
 def _evaluate_one(ctx: click.Context, prediction: Path, truth: Path) -> Evaluation:
     from enfilade.evaluate import evaluate, evaluate_graphs
 
-    if prediction.is_dir():
+    # A folder may happen to be called like a building: `enfilade demo` makes one.
+    if (prediction / "graph.json").is_file() or (prediction.is_dir() and len(prediction.parts) > 1):
         return evaluate(prediction, truth)
     from enfilade.clouds import read_cloud
     from enfilade.schema.exchange import read_graph

@@ -11,6 +11,7 @@ from conftest import RunningNeo4j
 from neo4j import GraphDatabase
 
 from enfilade.errors import StoreError, VersionError
+from enfilade.schema.definition import SCHEMA_VERSION
 from enfilade.schema.graph import BuildingGraph
 from enfilade.stores import neo4j_turns
 from enfilade.stores.neo4j import Neo4jStore
@@ -31,8 +32,9 @@ def run(neo4j_server: RunningNeo4j, neo4j_store: Neo4jStore) -> Iterator[Run]:
 
 
 def test_another_schema_version_is_refused(run: Run, neo4j_server: RunningNeo4j) -> None:
-    run("MATCH (s:EnfiladeSchema) SET s.version = 2")
-    with pytest.raises(VersionError, match="has schema version 2, this Enfilade knows 1"):
+    run(f"MATCH (s:EnfiladeSchema) SET s.version = {SCHEMA_VERSION + 1}")
+    said = f"has schema version {SCHEMA_VERSION + 1}, this Enfilade knows {SCHEMA_VERSION}"
+    with pytest.raises(VersionError, match=said):
         neo4j_server.open()
 
 

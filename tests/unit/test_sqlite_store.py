@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from enfilade.errors import StoreError, VersionError
-from enfilade.schema.definition import EDGE_TYPES, NODE_TYPES
+from enfilade.schema.definition import EDGE_TYPES, NODE_TYPES, SCHEMA_VERSION
 from enfilade.schema.exchange import write_graph
 from enfilade.schema.graph import BuildingGraph
 from enfilade.stores import open_store
@@ -62,7 +62,9 @@ def test_the_layout_is_that_of_the_definition(tmp_path: Path) -> None:
         assert connection.execute("PRAGMA journal_mode").fetchone() == ("wal",)
 
 
-@pytest.mark.parametrize(("version", "advice"), [(2, "use a newer Enfilade"), (0, "export its buildings")])
+@pytest.mark.parametrize(
+    ("version", "advice"), [(SCHEMA_VERSION + 1, "use a newer Enfilade"), (SCHEMA_VERSION - 1, "export its buildings")]
+)
 def test_another_schema_version_is_refused(tmp_path: Path, version: int, advice: str) -> None:
     SQLiteStore(tmp_path / "a.db").close()
     set_pragma(tmp_path / "a.db", f"user_version = {version}")
