@@ -5,10 +5,10 @@ from __future__ import annotations
 from enfilade.schema.counts import TOTAL, quantise
 
 from .distance import best_turn, distances
-from .histogram import describe
+from .histogram import describe, describe_votes, gather_votes
 from .layout import DEFAULT_LAYOUT, PAPER_LAYOUT, Layout
 from .shapes import Shape, read_shape
-from .views import Viewing, mesh_views, sample_surface
+from .views import Viewing, mesh_views, sample_surface, seen_of
 
 __all__ = [
     "DEFAULT_LAYOUT",
@@ -19,9 +19,12 @@ __all__ = [
     "Viewing",
     "best_turn",
     "describe",
+    "describe_votes",
     "distances",
+    "gather_votes",
     "mesh_views",
     "quantise",
     "read_shape",
     "sample_surface",
+    "seen_of",
 ]

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from enfilade.schema.counts import quantise
@@ -15,8 +19,8 @@ F64 = NDArray[np.float64]
 def describe(points: NDArray[np.floating], base_z: float, layout: Layout = DEFAULT_LAYOUT) -> NDArray[np.uint16]:
     """Describe the shape of an object.
 
-    Points outside the slices or shells count in the nearest one, sectors wrap, and the box filter of Eq. 9
-    follows the same rules at the borders.
+    Points outside the slices or shells count in the nearest one, sectors wrap; interpolation and the box filter of
+    Eq. 9 follow the same rules at the borders.
 
     Parameters
     ----------
@@ -37,35 +41,125 @@ def describe(points: NDArray[np.floating], base_z: float, layout: Layout = DEFAU
     ValueError
         If there are no points, or some are not finite.
     """
+    votes, _ = gather_votes(points, layout.cell_m)
+    return np.asarray(describe_votes(votes, (base_z,), layout)[0])
+
+
+def gather_votes(
+    points: NDArray[np.floating], cell_m: float, counts: NDArray[np.int64] | None = None
+) -> tuple[F64, NDArray[np.int64]]:
+    """Gather points by cubic cells, whose corners are multiples of their side.
+
+    Votes gathered before may be gathered again together with others, `counts` points each: parts of an object need
+    their points read but once.
+
+    Parameters
+    ----------
+    points
+        ``(n, 3)``, metres, n >= 1.
+    cell_m
+        Side of a cell; 0 for none, which gives the points back.
+    counts
+        ``(n,)`` how many points each stands for; one if None.
+
+    Returns
+    -------
+    votes
+        ``(m, 3) float64`` mean of the points of each cell, metres.
+    counts
+        ``(m,) int64`` their number.
+
+    Raises
+    ------
+    ValueError
+        If there are no points, or some are not finite.
+    """
     if len(points) == 0 or not np.isfinite(points).all():
         raise ValueError("a descriptor needs at least one point, and finite ones")
-    votes = _votes(np.asarray(points, dtype=np.float64), layout.cell_m)
-    slice_, shell, sector = _bins(votes, base_z, layout)
-    histogram = np.zeros(layout.shape)
-    weights = 1.0 / (2 * shell + 1) if layout.annulus_weight else 1.0
-    np.add.at(histogram, (slice_, shell, sector), weights)
-    return quantise(_box_filter(histogram).ravel())
-
-
-def _votes(points: F64, cell_m: float) -> F64:
-    """Return one mean position a cubic cell, or the points themselves if the cell has no size."""
+    positions = np.asarray(points, dtype=np.float64)
+    number = np.ones(len(points), dtype=np.int64) if counts is None else counts
     if cell_m <= 0:
-        return points
-    cells = np.floor((points - points.min(axis=0)) / cell_m).astype(np.int64)
+        return positions, number
+    cells = np.floor(positions / cell_m).astype(np.int64)
+    cells -= cells.min(axis=0)
     extent = cells.max(axis=0) + 1
     keys = (cells[:, 2] * extent[1] + cells[:, 1]) * extent[0] + cells[:, 0]
-    _, cell, count = np.unique(keys, return_inverse=True, return_counts=True)
-    sums = [np.bincount(cell, weights=points[:, axis], minlength=len(count)) for axis in range(3)]
-    return np.column_stack(sums) / count[:, None]
+    _, cell = np.unique(keys, return_inverse=True)
+    total = np.bincount(cell, weights=number)
+    sums = [np.bincount(cell, weights=positions[:, axis] * number) for axis in range(3)]
+    return np.column_stack(sums) / total[:, None], total.astype(np.int64)
 
 
-def _bins(votes: F64, base_z: float, layout: Layout) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Slice, shell and sector of each vote, around the vertical axis through their mean."""
+def describe_votes(votes: F64, bases_z: Sequence[float], layout: Layout = DEFAULT_LAYOUT) -> NDArray[np.uint16]:
+    """Describe a shape by its votes, once for each base.
+
+    Parameters
+    ----------
+    votes
+        ``(m, 3)`` metres, as `gather_votes` gives them.
+    bases_z
+        Heights of the lower end, B of them.
+    layout
+        The bins.
+
+    Returns
+    -------
+    numpy.ndarray
+        ``(B, bins) uint16``.
+    """
     x, y = (votes[:, :2] - votes[:, :2].mean(axis=0)).T
-    slice_ = np.floor((votes[:, 2] - base_z) / layout.slice_height_m).astype(np.int64)
-    shell = np.floor(np.hypot(x, y) / layout.shell_width_m).astype(np.int64)
-    sector = np.floor(np.arctan2(y, x) * (layout.sectors / (2 * np.pi))).astype(np.int64)
-    return slice_.clip(0, layout.slices - 1), shell.clip(0, layout.shells - 1), sector % layout.sectors
+    radius = np.hypot(x, y) / layout.shell_width_m
+    turn = np.arctan2(y, x) * (layout.sectors / (2 * np.pi))
+    described = []
+    for base in bases_z:
+        height = (votes[:, 2] - base) / layout.slice_height_m
+        histogram = np.zeros(layout.shape)
+        if layout.interpolate:
+            _share(height, radius, turn, _weights(radius, layout), histogram)
+        else:
+            _count(height, radius, turn, _weights(radius, layout), histogram)
+            histogram = _box_filter(histogram)
+        filled = histogram > 0
+        histogram[filled] **= layout.exponent
+        described.append(quantise(histogram.ravel()))
+    return np.stack(described)
+
+
+def _weights(radius: F64, layout: Layout) -> F64:
+    """Weight of each vote (Eq. 8); `radius` counts shells."""
+    if not layout.annulus_weight:
+        return np.ones(len(radius))
+    shell = np.minimum(np.floor(radius), layout.shells - 1)
+    return np.asarray(1.0 / (2 * shell + 1))
+
+
+def _count_votes(height: F64, radius: F64, turn: F64, weights: F64, histogram: F64) -> None:
+    """Give each vote to the bin it lies in; heights, radii and angles are in bins, the histogram is changed."""
+    slices, shells, sectors = histogram.shape
+    for i in range(len(height)):
+        s = min(max(math.floor(height[i]), 0), slices - 1)
+        r = min(math.floor(radius[i]), shells - 1)
+        histogram[s, r, math.floor(turn[i]) % sectors] += weights[i]
+
+
+def _share_votes(height: F64, radius: F64, turn: F64, weights: F64, histogram: F64) -> None:
+    """Share each vote by the eight bins whose middles are nearest (trilinear); else as `_count_votes`."""
+    slices, shells, sectors = histogram.shape
+    for i in range(len(height)):
+        s0, r0, a0 = math.floor(height[i] - 0.5), math.floor(radius[i] - 0.5), math.floor(turn[i] - 0.5)
+        ds, dr, da = height[i] - 0.5 - s0, radius[i] - 0.5 - r0, turn[i] - 0.5 - a0
+        for upper in range(2):
+            s = min(max(s0 + upper, 0), slices - 1)
+            in_slice = weights[i] * (ds if upper else 1 - ds)
+            for outer in range(2):
+                r = min(max(r0 + outer, 0), shells - 1)
+                in_ring = in_slice * (dr if outer else 1 - dr)
+                histogram[s, r, a0 % sectors] += in_ring * (1 - da)
+                histogram[s, r, (a0 + 1) % sectors] += in_ring * da
+
+
+_count = njit(cache=True, nogil=True)(_count_votes)
+_share = njit(cache=True, nogil=True)(_share_votes)
 
 
 def _box_filter(histogram: F64) -> F64:

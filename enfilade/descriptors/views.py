@@ -58,10 +58,9 @@ def mesh_views(
     base_offset_m: float = 0.0,
     viewing: Viewing = Viewing(),
 ) -> NDArray[np.uint16]:
-    """Describe what a scanner would see of a mesh: each side, pairs of sides, and the whole.
+    """Describe what a scanner would see of a mesh: each side, and the whole.
 
-    The pairs are sides a right angle apart. The whole is the mesh sampled uniformly, as in §8. A cloud was seen by a
-    scanner already: it has one view, itself.
+    The whole is the mesh sampled uniformly, as in §8. A cloud was seen by a scanner already: it has one view, itself.
 
     Parameters
     ----------
@@ -80,7 +79,7 @@ def mesh_views(
     Returns
     -------
     numpy.ndarray
-        ``(V, bins) uint16``: ``2 * sides + 1`` descriptors of a mesh, fewer where a side shows nothing.
+        ``(V, bins) uint16``: ``sides + 1`` descriptors of a mesh, fewer where a side shows nothing.
 
     Raises
     ------
@@ -88,14 +87,35 @@ def mesh_views(
         If the surface has no area.
     """
     base = shape.foot - base_offset_m
+    return np.stack([describe(view, base, layout) for view in seen_of(shape, floor_offset_m, viewing)])
+
+
+def seen_of(shape: Shape, floor_offset_m: float = 0.0, viewing: Viewing = Viewing()) -> list[F64]:
+    """Sample what a scanner would see of a mesh from each side, and the whole; of a cloud, itself.
+
+    Parameters
+    ----------
+    shape
+        A mesh or a cloud.
+    floor_offset_m
+        Height of the shape's foot over the floor that the scanner stands on.
+    viewing
+        Scanner positions and samples.
+
+    Returns
+    -------
+    ``(n, 3)`` points of each side that shows something, and of the whole at the end.
+
+    Raises
+    ------
+    InputError
+        If the surface has no area.
+    """
     if not shape.is_mesh:
-        return describe(shape.vertices, base, layout)[None]
+        return [shape.vertices]
     samples = sample_surface(shape, viewing)
     seen = _seen(shape, samples, _scanners(shape, floor_offset_m, viewing), viewing.tolerance_m)
-    quarter = max(1, viewing.sides // 4)
-    pairs = seen | np.roll(seen, -quarter, axis=0)
-    masks = [*seen, *pairs, np.ones(len(samples), dtype=bool)]
-    return np.stack([describe(samples[mask], base, layout) for mask in masks if mask.any()])
+    return [*(samples[mask] for mask in seen if mask.any()), samples]
 
 
 def sample_surface(shape: Shape, viewing: Viewing = Viewing()) -> F64:

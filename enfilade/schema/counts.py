@@ -39,9 +39,12 @@ def quantise(values: ArrayLike) -> NDArray[np.uint16]:
     total = given.sum()
     if given.ndim != 1 or not np.isfinite(total) or total <= 0 or given.min() < 0:
         raise ValueError("a histogram has one dimension, finite values, none negative, and not only zeros")
-    exact = given * TOTAL / total
-    counts = np.floor(exact + _ROUNDING)
-    remainders = np.round(exact - counts, 9)
-    missing = TOTAL - int(counts.sum())
-    counts[np.argsort(-remainders, kind="stable")[:missing]] += 1
-    return np.asarray(counts, dtype=np.uint16)
+    filled = np.flatnonzero(given)
+    exact = given[filled] * TOTAL / total
+    shares = np.floor(exact + _ROUNDING)
+    remainders = np.round(exact - shares, 9)
+    missing = TOTAL - int(shares.sum())
+    shares[np.argsort(-remainders, kind="stable")[:missing]] += 1
+    counts = np.zeros(len(given), dtype=np.uint16)
+    counts[filled] = shares
+    return counts

@@ -2,13 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from enfilade.descriptors import DEFAULT_LAYOUT, PAPER_LAYOUT, TOTAL, Layout, best_turn, describe, distances, quantise
+from enfilade.descriptors import (
+    DEFAULT_LAYOUT,
+    PAPER_LAYOUT,
+    TOTAL,
+    Layout,
+    best_turn,
+    describe,
+    describe_votes,
+    distances,
+    gather_votes,
+    quantise,
+)
 
 SMALL = Layout(slices=3, slice_height_m=0.5, shells=2, shell_width_m=0.5, sectors=8)
 
@@ -111,7 +124,7 @@ def test_descriptors_of_other_shapes_are_refused():
 @settings(max_examples=25)
 @given(st.integers(0, 10_000), st.integers(0, 15), st.booleans())
 def test_an_object_turned_by_sectors_keeps_its_descriptor(seed, turns, paper):
-    layout = Layout(cell_m=0.0, annulus_weight=paper)
+    layout = Layout(cell_m=0.0, annulus_weight=paper, interpolate=not paper)
     points = scattered(seed)
     angle = turns * np.pi / 8
     turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
@@ -135,8 +148,12 @@ def test_points_beyond_the_bins_count_in_the_nearest(seed):
     assert int(describe(points, 0.0).sum()) == TOTAL
 
 
-def test_one_point_fills_the_bins_around_it():
-    layout = Layout(slices=5, slice_height_m=1, shells=4, shell_width_m=1, sectors=8)
+METRE = Layout(slices=5, slice_height_m=1, shells=4, shell_width_m=1, sectors=8, cell_m=0.0, exponent=1.0)
+AROUND = [[1.5, 0, 0], [-0.5, 0.75, 0], [-0.5, -0.75, 0], [-0.5, 0, 0]]
+
+
+def test_the_box_filter_fills_the_bins_around_a_point():
+    layout = replace(METRE, interpolate=False)
     values = describe(np.array([[3.0, 4.0, 2.5]]), 0.0, layout).reshape(layout.shape)
     # The point is its own axis: shell 0, sector 0. Below shell 0 the filter finds shell 0 again.
     assert np.argwhere(values.sum(axis=(1, 2))).ravel().tolist() == [1, 2, 3]
@@ -144,6 +161,52 @@ def test_one_point_fills_the_bins_around_it():
     assert np.argwhere(values.sum(axis=(0, 1))).ravel().tolist() == [0, 1, 7]
     ratio = values[2, 0] / np.maximum(values[2, 1], 1)
     assert ratio[[0, 1, 7]] == pytest.approx([2, 2, 2], abs=0.01)
+
+
+def test_a_vote_is_shared_by_how_near_the_middles_of_bins_are():
+    # Four points whose mean is the axis; the first lies in the middle of its shell, on the border of sectors 7 and 0.
+    points = np.array(AROUND) * [1, 1, 0] + [7, 8, 1.75]
+    values = describe(points, 0.0, METRE).reshape(METRE.shape) * len(points) / TOTAL
+    assert values.sum(axis=(1, 2)) == pytest.approx([0, 0.75 * 4, 0.25 * 4, 0, 0], abs=1e-3)
+    assert values[1, 1, [7, 0]] == pytest.approx([0.375, 0.375], abs=1e-3)
+    assert values[1, 2:].sum() == 0
+
+
+def test_votes_beyond_the_middles_of_the_outermost_bins_stay_in_them():
+    points = np.array(AROUND) * 9 + [0, 0, 40.0]
+    values = describe(points, 0.0, METRE).reshape(METRE.shape)
+    assert values[-1, -1].sum() == TOTAL
+
+
+@settings(max_examples=20)
+@given(st.integers(0, 1000), st.floats(1e-4, 1e-3))
+def test_a_point_that_moves_a_little_changes_little(seed, step):
+    points = scattered(seed)
+    layout = replace(METRE, slice_height_m=0.1, shell_width_m=0.1)
+    here, there = describe(points, 0.0, layout), describe(points, -step, layout)
+    assert distances(here, there[None], layout.shape)[0] < 0.01
+
+
+def test_the_exponent_takes_weight_from_full_bins():
+    points = np.concatenate([AROUND, np.repeat(AROUND[:1], 8, axis=0)]) - np.mean(AROUND, axis=0)
+    shares = [describe(points, 0.0, replace(METRE, exponent=power)).max() / TOTAL for power in (1.0, 0.5, 0.25)]
+    assert shares == sorted(shares, reverse=True)
+    assert shares[0] > 1.5 * shares[2]
+
+
+@settings(max_examples=20)
+@given(st.integers(0, 1000), st.integers(1, 599), st.sampled_from([0.0, 0.05, 0.3]))
+def test_parts_gathered_apart_make_the_whole(seed, cut, cell_m):
+    points = scattered(seed)
+    parts = [gather_votes(part, cell_m) for part in (points[:cut], points[cut:])]
+    together = gather_votes(
+        np.concatenate([votes for votes, _ in parts]), cell_m, np.concatenate([counts for _, counts in parts])
+    )
+    layout = Layout(cell_m=cell_m)
+    described = describe_votes(together[0], (0.0, -0.3), layout)
+    assert together[1].sum() == len(points)
+    for base, found in zip((0.0, -0.3), described, strict=True):
+        assert distances(found, describe(points, base, layout)[None], layout.shape)[0] < 1e-3
 
 
 def test_points_of_one_cell_vote_once():

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 from shapely import STRtree, box
 
-from enfilade.descriptors import Layout, describe
+from enfilade.descriptors import Layout, describe_votes, gather_votes
 from enfilade.ingest.objects.parameters import ObjectParameters
 from enfilade.ingest.objects.segments import thin
 from enfilade.ingest.records import F32, F64, Combination, Room, Segment
@@ -80,20 +80,45 @@ def describe_all(
     rooms: Mapping[int, Room],
     layout: Layout,
 ) -> Iterator[Combination]:
-    """Measure and describe each group of segments, with the base at the room's floor and at its own foot."""
+    """Measure and describe each group of segments, with the base at the room's floor and at its own foot.
+
+    The points of a segment are read once; combinations are measured from what each segment gathered of them.
+    """
+    gathered = [_Gathered(positions[segment.points].astype(np.float64), layout.cell_m) for segment in segments]
     for group in groups:
-        points = positions[np.concatenate([segments[number].points for number in group])].astype(np.float64)
-        floor = rooms[segments[group[0]].room].floor_elevation
-        foot = float(points[:, 2].min())
+        parts = [gathered[number] for number in group]
+        low = np.min([part.low for part in parts], axis=0)
+        high = np.max([part.high for part in parts], axis=0)
+        counts = np.array([part.point_count for part in parts])
+        floor, foot = rooms[segments[group[0]].room].floor_elevation, float(low[2])
+        votes = parts[0].votes if len(parts) == 1 else _together(parts, layout.cell_m)
+        descriptor, foot_descriptor = describe_votes(votes, (floor, foot), layout)
         yield Combination(
             segments=group,
-            size=np.ptp(points, axis=0),
-            position=points.mean(axis=0),
+            size=high - low,
+            position=np.average([part.centre for part in parts], axis=0, weights=counts),
             floor_offset=foot - floor,
-            point_count=len(points),
-            descriptor=describe(points, floor, layout),
-            foot_descriptor=describe(points, foot, layout),
+            point_count=int(counts.sum()),
+            descriptor=descriptor,
+            foot_descriptor=foot_descriptor,
         )
+
+
+class _Gathered:
+    """What combinations need to know of a segment's points."""
+
+    def __init__(self, points: F64, cell_m: float) -> None:
+        self.votes, self.counts = gather_votes(points, cell_m)
+        self.low, self.high = points.min(axis=0), points.max(axis=0)
+        self.centre = points.mean(axis=0)
+        self.point_count = len(points)
+
+
+def _together(parts: Sequence[_Gathered], cell_m: float) -> F64:
+    """Votes of some segments together: a cell that several have points in votes once."""
+    votes = np.concatenate([part.votes for part in parts])
+    counts = np.concatenate([part.counts for part in parts])
+    return gather_votes(votes, cell_m, counts)[0]
 
 
 def _near_in_room(segments: list[Segment], positions: F32, parameters: ObjectParameters) -> Iterator[Near]:
