@@ -1,7 +1,7 @@
 """Simulates, ingests and evaluates the corpus, and prints Markdown: a row a building, each half as one, the ten worst.
 
 ``python bench/buildings.py FOLDER`` works in FOLDER: scans that are there are used again, results go to
-``results.json``. The corpus is the generated buildings, the built-in one, and with ``--models`` those of IFC files.
+``results.json`` one by one. The corpus is the generated buildings, the built-in one, and with ``--models`` IFC files.
 The halves of the generated ones are told by `enfilade.simulate.recipes`; of the models in alphabetical order each
 second one is in the check half, models of one building (the name up to the first ``-``, digits aside) in the same.
 """
@@ -15,7 +15,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -154,14 +154,15 @@ def _points(records: Iterable[dict[str, Any]]) -> int:
 def main(folder: Path, buildings: list[Building], workers: int) -> None:
     """Do all and print it; a building that fails does not stop the others."""
     folder.mkdir(parents=True, exist_ok=True)
+    records: dict[str, dict[str, Any]] = {}
     with ThreadPoolExecutor(workers) as pool:
-        records = {}
-        for building, record in zip(buildings, pool.map(lambda b: measured(b, folder), buildings), strict=True):
-            records[building.name] = record
-            print(building.name, record.get("error", "done"), file=sys.stderr, flush=True)
-    with replacing(folder / "results.json") as unfinished:
-        unfinished.write(json.dumps(records, indent=1).encode())
-    print(report(records))
+        waiting = {pool.submit(measured, building, folder): building.name for building in buildings}
+        for done in as_completed(waiting):
+            records[waiting[done]] = done.result()
+            print(waiting[done], records[waiting[done]].get("error", "done"), file=sys.stderr, flush=True)
+            with replacing(folder / "results.json") as unfinished:
+                unfinished.write(json.dumps(records, indent=1).encode())
+    print(report({building.name: records[building.name] for building in buildings}))
 
 
 def chosen(arguments: argparse.Namespace) -> list[Building]:

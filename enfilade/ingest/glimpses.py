@@ -7,16 +7,18 @@ roof, but no wall behind.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial import cKDTree
 
 from .cells import CellGrid
-from .records import F32, I32, Bool, Planes, RoomLabels, Surfels
+from .records import F32, F64, I32, Bool, Plan, Planes, RoomLabels, Surfels
 from .structure import Structure
 
 I64 = NDArray[np.int64]
@@ -35,7 +37,9 @@ class GlimpseParameters:
     least_floor_m2
         Least floor seen of such a room.
     eye_m
-        Height over the floor at which walls are looked for.
+        Height over the floor at which places see each other.
+    wall_eye_m
+        Height over the floor at which walls are looked for: above parapets, below the heads of doors.
     reach_m
         How far walls may be.
     least_roofed, least_walled
@@ -43,6 +47,8 @@ class GlimpseParameters:
         and that have a wall behind.
     link_m
         Floor closer than this in plan with no wall between is of one room.
+    least_links
+        So many cells of floor beside a room's own, with no wall between, are of that room.
     furniture_m
         What looks like floor up to this height over other floor is the top of furniture.
     take_m
@@ -52,34 +58,30 @@ class GlimpseParameters:
     """
 
     cell_m: float = 0.20
-    least_floor_m2: float = 1.0
+    least_floor_m2: float = 1.5
     eye_m: float = 1.2
+    wall_eye_m: float = 1.7
     reach_m: float = 12.0
     least_roofed: float = 0.15
     least_walled: float = 0.7
     link_m: float = 0.5
+    least_links: int = 3
     furniture_m: float = 1.3
     take_m: float = 1.0
     close_doors_m: float = 2.4
-
-
-@dataclass(frozen=True, slots=True)
-class _Glimpses:
-    """Floor of rooms looked into: ``(n, 3)`` places, the room of each from 0, and how sure each room is."""
-
-    places: F32
-    room: I32
-    confidence: F32
 
 
 def add_glimpsed_rooms(
     surfels: Surfels,
     planes: Planes,
     labels: RoomLabels,
+    plans: Sequence[Plan],
     scanner_positions: F32,
     parameters: GlimpseParameters = GlimpseParameters(),
 ) -> RoomLabels:
     """Make rooms of what lies in no plan but has floor, roof and walls; they get the numbers after the others.
+
+    What a room goes on into with no wall between is given to that room.
 
     Parameters
     ----------
@@ -87,60 +89,126 @@ def add_glimpsed_rooms(
         The building.
     labels
         Rooms after `keep_inside`; surfels of no room are looked at.
+    plans
+        Of these rooms.
     """
     structure = Structure(planes, close_doors_m=parameters.close_doors_m)
-    floor = _floor(surfels, planes, labels, parameters.cell_m)
+    floor = _one_a_cell(surfels, planes, _free_floor(surfels, planes, labels), parameters.cell_m)
     if not len(floor):
         return labels
-    glimpses = _find_glimpses(surfels.positions[floor], scanner_positions[surfels.scan[floor]], structure, planes, parameters)
-    if not len(glimpses.confidence):
-        return labels
-    free = np.flatnonzero(labels.after < 0)
-    member, place = _within_sight(surfels, free, glimpses.places, structure, parameters)
-    after, agreement = labels.after.copy(), labels.agreement.copy()
-    after[member] = labels.room_count + glimpses.room[place]
-    agreement[member] = glimpses.confidence[glimpses.room[place]]
-    return replace(labels, after=after, agreement=agreement, room_count=labels.room_count + len(glimpses.confidence))
+    places = surfels.positions[floor]
+    component = _linked(places, structure, parameters)
+    known = _one_a_cell(surfels, planes, _known_floor(surfels, planes, labels, plans), parameters.cell_m)
+    room = _adjoining(places, component, surfels.positions[known], labels.after[known], structure, parameters)
+    scanners = scanner_positions[surfels.scan[floor]]
+    sure = _sure(places, component, scanners, structure, planes, parameters)
+    new = np.flatnonzero((room < 0) & (sure > 0.0))
+    new = new[np.lexsort(np.round(_means(places, component)[new], 1).T[[1, 0, 2]])]
+    room[new] = labels.room_count + np.arange(len(new), dtype=np.int32)
+    return _taken_in(surfels, labels, places, room[component], sure[component], structure, len(new), parameters)
 
 
-def _floor(surfels: Surfels, planes: Planes, labels: RoomLabels, cell_m: float) -> I64:
-    """``(n,)``: one surfel a cell of the level planes that face up, lie in no room and were seen from one."""
+def _free_floor(surfels: Surfels, planes: Planes, labels: RoomLabels) -> I64:
+    """Surfels of level planes that face up, lie in no room and were seen from one."""
     upward = np.append(planes.horizontal & (planes.normals[:, 2] > 0.0), False)
     seen_from_inside = labels.scan_room[surfels.scan] >= 0
-    floor = np.flatnonzero((labels.after < 0) & upward[planes.surfel_plane] & seen_from_inside)
-    if not len(floor):
-        return floor
-    in_plan = surfels.positions[floor] * np.array([1.0, 1.0, 0.0], np.float32)
-    key = CellGrid.around(in_plan, cell_m).keys(in_plan, planes.surfel_plane[floor])
-    return floor[np.unique(key, return_index=True)[1]]
+    return np.flatnonzero((labels.after < 0) & upward[planes.surfel_plane] & seen_from_inside)
 
 
-def _find_glimpses(
-    places: F32, scanners: F32, structure: Structure, planes: Planes, parameters: GlimpseParameters
-) -> _Glimpses:
-    """Find which places ``(n, 3)`` of floor, each with the scanner that saw it, are of rooms."""
-    component = _linked(places, structure, parameters)
+def _known_floor(surfels: Surfels, planes: Planes, labels: RoomLabels, plans: Sequence[Plan]) -> I64:
+    """Surfels of level planes that face up, in the plan of their room: what lies in a doorway is not."""
+    upward = np.append(planes.horizontal & (planes.normals[:, 2] > 0.0), False)[planes.surfel_plane]
+    members = []
+    for number, plan in enumerate(plans):
+        own = np.flatnonzero(upward & (labels.after == number))
+        outline = shapely.Polygon(plan.outline[0])
+        shapely.prepare(outline)
+        members.append(own[shapely.contains_xy(outline, *surfels.positions[own, :2].T.astype(np.float64))])
+    return np.concatenate([np.zeros(0, np.int64), *members])
+
+
+def _one_a_cell(surfels: Surfels, planes: Planes, chosen: I64, cell_m: float) -> I64:
+    """One of the chosen surfels for each plane and cell of the plan."""
+    if not len(chosen):
+        return chosen
+    in_plan = surfels.positions[chosen] * np.array([1.0, 1.0, 0.0], np.float32)
+    key = CellGrid.around(in_plan, cell_m).keys(in_plan, planes.surfel_plane[chosen])
+    return chosen[np.unique(key, return_index=True)[1]]
+
+
+def _means(places: F32, component: I32) -> F64:
+    size = np.bincount(component)
+    return np.stack([np.bincount(component, places[:, axis]) for axis in range(3)], axis=1) / size[:, None]
+
+
+def _sure(
+    places: F32, component: I32, scanners: F32, structure: Structure, planes: Planes, parameters: GlimpseParameters
+) -> F32:
+    """How sure it is that each component of places, each seen by a scanner, is a room; 0 where it is not.
+
+    Seen in part and from outside, a room is never as sure as one that a scanner stood in.
+    """
     size = np.bincount(component)
     roofed = np.bincount(component, _roofed(places, structure)) / size
     walled = np.bincount(component, _walled(places, scanners, structure, planes, parameters)) / size
     kept = (size * parameters.cell_m**2 >= parameters.least_floor_m2) & (roofed >= parameters.least_roofed)
     kept &= walled >= parameters.least_walled
-    mean = np.stack([np.bincount(component, places[:, axis]) for axis in range(3)], axis=1) / size[:, None]
-    order = np.lexsort((mean[:, 1], mean[:, 0], np.round(mean[:, 2])))
-    order = order[kept[order]]
-    number = np.full(len(size), -1, np.int32)
-    number[order] = np.arange(len(order), dtype=np.int32)
-    own = number[component] >= 0
-    # Seen in part and from outside: never as sure as a room that a scanner stood in.
-    confidence = 0.25 * (1.0 + roofed[order]) * walled[order]
-    return _Glimpses(places[own], number[component[own]], confidence.astype(np.float32))
+    return np.where(kept, 0.25 * (1.0 + roofed) * walled, 0.0).astype(np.float32)
+
+
+def _adjoining(
+    places: F32, component: I32, known: F32, known_room: I32, structure: Structure, parameters: GlimpseParameters
+) -> I32:
+    """Room that each component goes on from with no wall between, -1 for none."""
+    room = np.full(int(component.max()) + 1, -1, np.int32)
+    if not len(known):
+        return room
+    flat = _flattened(parameters)
+    nearest = cKDTree(known * flat).query(places * flat, distance_upper_bound=parameters.link_m)
+    place = np.flatnonzero(np.isfinite(nearest[0]))
+    other = np.asarray(nearest[1])[place]
+    eye = parameters.eye_m * _UP
+    free = ~structure.blocked(places[place] + eye, known[other] + eye)
+    pairs, count = np.unique(
+        np.stack([component[place[free]], known_room[other[free]]]), axis=1, return_counts=True
+    )
+    for at in np.argsort(count, kind="stable"):
+        if count[at] >= parameters.least_links:
+            room[pairs[0, at]] = pairs[1, at]
+    return room
+
+
+def _taken_in(
+    surfels: Surfels,
+    labels: RoomLabels,
+    places: F32,
+    room: I32,
+    sure: F32,
+    structure: Structure,
+    new: int,
+    parameters: GlimpseParameters,
+) -> RoomLabels:
+    """Labels with the free surfels in sight of the places of rooms given to these."""
+    of_room = room >= 0
+    if not of_room.any():
+        return labels
+    free = np.flatnonzero(labels.after < 0)
+    member, place = _within_sight(surfels, free, places[of_room], structure, parameters)
+    after, agreement = labels.after.copy(), labels.agreement.copy()
+    after[member] = room[of_room][place]
+    agreement[member] = sure[of_room][place]
+    return replace(labels, after=after, agreement=agreement, room_count=labels.room_count + new)
+
+
+def _flattened(parameters: GlimpseParameters) -> F32:
+    """Scale of x, y, z in which tops of furniture are near the floor beside them."""
+    return np.array([1.0, 1.0, parameters.link_m / parameters.furniture_m], np.float32)
 
 
 def _linked(places: F32, structure: Structure, parameters: GlimpseParameters) -> I32:
     """``(n,)`` component of each place: of one are those close together in plan with no wall between, tables too."""
     eye = parameters.eye_m * _UP
-    flat = places * np.array([1.0, 1.0, parameters.link_m / parameters.furniture_m], np.float32)
-    pairs = cKDTree(flat).query_pairs(parameters.link_m, output_type="ndarray")
+    pairs = cKDTree(places * _flattened(parameters)).query_pairs(parameters.link_m, output_type="ndarray")
     free = ~structure.blocked(places[pairs[:, 0]] + eye, places[pairs[:, 1]] + eye)
     links = sparse.coo_array((np.ones(free.sum(), np.int8), tuple(pairs[free].T)), shape=(len(places), len(places)))
     return np.asarray(sparse.csgraph.connected_components(links, directed=False)[1], np.int32)
@@ -157,7 +225,7 @@ def _walled(
     """``(n,)``: behind which places, seen from their scanners, there is a wall."""
     onwards = (places - scanners) * np.array([1.0, 1.0, 0.0], np.float32)
     onwards /= np.maximum(np.linalg.norm(onwards, axis=1, keepdims=True), 1e-6)
-    hits = structure.cast(places + parameters.eye_m * _UP, onwards)
+    hits = structure.cast(places + parameters.wall_eye_m * _UP, onwards)
     return np.asarray((hits.distance < parameters.reach_m) & np.append(planes.vertical, False)[hits.plane])
 
 

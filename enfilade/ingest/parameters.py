@@ -17,6 +17,7 @@ from .plans import RoomPlanParameters
 from .readers import ReadingParameters
 from .registration import RegistrationParameters
 from .rooms import RoomParameters
+from .sparse import SparseParameters
 from .storeys import StoreyParameters
 from .surfels import SurfelParameters
 from .thinning import ThinningParameters
@@ -31,6 +32,7 @@ class Parameters:
     surfels: SurfelParameters = field(default_factory=SurfelParameters)
     registration: RegistrationParameters = field(default_factory=RegistrationParameters)
     planes: PlaneParameters = field(default_factory=PlaneParameters)
+    sparse: SparseParameters = field(default_factory=SparseParameters)
     groups: GroupParameters = field(default_factory=GroupParameters)
     rooms: RoomParameters = field(default_factory=RoomParameters)
     plans: RoomPlanParameters = field(default_factory=RoomPlanParameters)

@@ -28,6 +28,7 @@ from .provenance import provenance
 from .readers import read_scans, scan_files
 from .registration import check_registration
 from .rooms import label_rooms
+from .sparse import extend_planes
 from .stopwatch import Stopwatch
 from .storeys import find_storeys
 from .surfels import make_surfels
@@ -102,6 +103,7 @@ def ingest(
     check_registration(cloud, surfels, parameters.registration, progress=watch)
     watch.start("planes")
     planes = find_planes(surfels, parameters.planes)
+    surfels, planes = extend_planes(cloud, surfels, planes, parameters.sparse)
     _need(planes.bitmaps, files, "no walls, floors or ceilings")
     watch.start("groups")
     given = read_grouping(rooms_csv, cloud.scan_names) if rooms_csv is not None else None
@@ -111,7 +113,7 @@ def ingest(
     watch.start("measures")
     drafts = draw_plans(cloud, surfels, planes, labels, parameters.plans, by_floors=False)
     labels = keep_inside(surfels, labels, drafts, parameters.inside)
-    labels = add_glimpsed_rooms(surfels, planes, labels, cloud.scanner_positions, parameters.glimpses)
+    labels = add_glimpsed_rooms(surfels, planes, labels, drafts, cloud.scanner_positions, parameters.glimpses)
     plans = draw_plans(cloud, surfels, planes, labels, parameters.plans)
     rooms = measure_rooms(cloud, surfels, labels, plans)
     _need(rooms, files, "no room")

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from .outlines import Outline, OutlineParameters, draw_outline
@@ -23,9 +24,9 @@ class RoomPlanParameters:
 
     Attributes
     ----------
-    least_floor, furniture_m
-        A level plane with so much of the surface of the largest one, and at most so far below it, is the floor and the
-        largest one furniture.
+    least_floor, least_around, furniture_m
+        A level plane with so much of the surface of the largest one, whose convex hull in plan has so much of that of
+        both, and that lies at most so far below it, is the floor, and the largest one is furniture.
     least_height_m
         A ceiling is at least so far above the floor.
     lintel_m
@@ -36,7 +37,8 @@ class RoomPlanParameters:
         How outlines are drawn.
     """
 
-    least_floor: float = 0.2
+    least_floor: float = 0.1
+    least_around: float = 0.7
     furniture_m: float = 1.2
     least_height_m: float = 1.5
     lintel_m: float = 0.35
@@ -108,8 +110,8 @@ def _on(kind: Bool, plane: I32) -> Bool:
 def _floor(planes: Planes, parts: _Parts, scanners: F32, parameters: RoomPlanParameters) -> int:
     """Plane that holds most of the room's floor (Eq. 7), of those below its scanners if it has any; -1 for none.
 
-    A bed or a table that hides most of the floor holds more points than what is left of it, so a lower plane of some
-    size goes before it.
+    A bed or a table that hides most of the floor holds more points than what is left of it, so a lower plane that
+    reaches around it goes before it.
     """
     upward = _on(planes.horizontal & (planes.normals[:, 2] > 0.0), parts.plane)
     if len(scanners):
@@ -121,10 +123,17 @@ def _floor(planes: Planes, parts: _Parts, scanners: F32, parameters: RoomPlanPar
     level = np.bincount(plane, height) / np.maximum(size, 1)
     largest = np.argmax(size)
     rises = level[largest] - level
-    below = (size >= parameters.least_floor * size[largest]) & (rises < parameters.furniture_m)
-    lowest = level[below].min()
-    same = below & (level < lowest + _ONE_LEVEL_M)
-    return int(np.argmax(np.where(same, size, 0)))
+    below = (size >= parameters.least_floor * size[largest]) & (rises > _ONE_LEVEL_M) & (rises < parameters.furniture_m)
+    xy = parts.positions[upward, :2]
+    for lower in np.flatnonzero(below)[np.argsort(-size[below], kind="stable")]:
+        both = _hull_area(xy[(plane == lower) | (plane == largest)])
+        if _hull_area(xy[plane == lower]) >= parameters.least_around * both:
+            return int(lower)
+    return int(largest)
+
+
+def _hull_area(xy: F32) -> float:
+    return float(shapely.MultiPoint(xy).convex_hull.area)
 
 
 def _ceiling(planes: Planes, parts: _Parts, lowest: float) -> float | None:

@@ -37,14 +37,18 @@ _ALONG_M: Final = 0.25
 _BUMP_M: Final = 0.45
 """So far from a face that goes on, edges that follow none are a bump."""
 _SAME_LINE_M: Final = 0.08
-_SNAP_M: Final = 0.025
+_SNAP_M: Final = 0.04
 """A face that strays no more than this from the direction of the page is drawn along it."""
 _LEAST_HALF_M: Final = 0.25
-_MERGE_M: Final = 0.012
+_MERGE_M: Final = 0.02
 """Faces along the page that lie so close to one another are one line."""
 _LEAST_EDGE_M: Final = 0.12
 _PARALLEL_SIN: Final = float(np.sin(np.radians(20)))
 _STRAY_M: Final = 1.5
+_SPUR_M: Final = 0.40
+"""Narrower parts of an outline are what was seen through a gap, no floor to stand on."""
+_LEAST_SPUR_M2: Final = 0.01
+_LEAST_LOBE_M2: Final = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,11 +80,19 @@ def upright_points(cloud: LabelledCloud) -> Bool:
     return np.asarray(upright[cloud.plane] & (cloud.object < 0))
 
 
-def wall_faces(cloud: LabelledCloud, frame: PageFrame) -> dict[int, WallFaces]:
-    """Fit a line to each room's points of each upright plane; by number of the room."""
+def wall_faces(cloud: LabelledCloud, frame: PageFrame) -> tuple[PageFrame, dict[int, WallFaces]]:
+    """Fit a line to each room's points of each upright plane.
+
+    Faces tell far better than outlines how a building lies, so the frame is turned to them.
+
+    Returns
+    -------
+    PageFrame, dict
+        The frame, turned so that most faces run along the page, and the faces in it by number of the room.
+    """
     chosen = np.flatnonzero(upright_points(cloud) & (cloud.room >= 0))
     if not len(chosen):
-        return {}
+        return frame, {}
     key = cloud.room[chosen].astype(np.int64) << 32 | cloud.plane[chosen]
     order = np.argsort(key, kind="stable")
     chosen, key = chosen[order], key[order]
@@ -89,9 +101,10 @@ def wall_faces(cloud: LabelledCloud, frame: PageFrame) -> dict[int, WallFaces]:
     kept = (count >= _LEAST_POINTS) & (across_std <= _FLATTEST_M) & (span[:, 1] - span[:, 0] >= _LEAST_FACE_M)
     room = (key[starts] >> 32)[kept]
     edges = np.flatnonzero(np.diff(room, prepend=-1, append=-1)) if len(room) else np.empty(0, np.int64)
-    centre, along, span = _straightened(centre[kept], along[kept], span[kept], count[kept])
-    lines = (centre, along, span)
-    return {int(room[a]): WallFaces(*(part[a:b] for part in lines)) for a, b in pairwise(edges.tolist())}
+    squared = frame.squared(along[kept] * np.diff(span[kept]))
+    turn = PageFrame(squared.angle - frame.angle, np.zeros(2))
+    lines = _straightened(turn.directions(centre[kept]), turn.directions(along[kept]), span[kept], count[kept])
+    return squared, {int(room[a]): WallFaces(*(part[a:b] for part in lines)) for a, b in pairwise(edges.tolist())}
 
 
 def _lines(xy: F64, starts: I64) -> tuple[F64, F64, F64, F64, I64]:
@@ -137,11 +150,23 @@ def _merged(offset: F64, count: I64) -> F64:
 
 def true_polygon(polygon: Polygon, faces: WallFaces) -> Polygon:
     """Draw a room's polygon along the faces of its walls; as it was where that would change its shape."""
+    polygon = without_spurs(polygon)
     rings = [_true_ring(np.asarray(ring.coords)[:-1, :2], faces) for ring in (polygon.exterior, *polygon.interiors)]
     drawn = whole(Polygon(rings[0], rings[1:]))
+    drawn = None if drawn is None else without_spurs(drawn)
     if drawn is None or abs(drawn.area - polygon.area) > 0.1 * polygon.area + 0.5:
         return polygon
     return drawn if drawn.hausdorff_distance(polygon) <= _STRAY_M else polygon
+
+
+def without_spurs(polygon: Polygon) -> Polygon:
+    """Cut off what is too narrow to be part of a room; a room that is narrow itself stays as it is."""
+    half = _SPUR_M / 2
+    broad = polygon.buffer(-half, join_style="mitre").buffer(half, join_style="mitre").intersection(polygon)
+    parts = sorted(shapely.get_parts(broad), key=lambda part: float(part.area))
+    if broad.is_empty or parts[-1].geom_type != "Polygon" or any(part.area > _LEAST_LOBE_M2 for part in parts[:-1]):
+        return polygon
+    return parts[-1] if polygon.area - parts[-1].area > _LEAST_SPUR_M2 else polygon
 
 
 def whole(polygon: Polygon) -> Polygon | None:

@@ -30,6 +30,8 @@ _MOST_FLIGHTS: Final = 4
 _LEAST_RISE: Final = 0.25
 """Of the whole, for one flight of several."""
 _WIDTH_M: Final = (0.5, 3.5)
+_SQUARE_SIN: Final = float(np.sin(np.radians(12)))
+"""Stairs that rise so nearly along or up the page run with the walls."""
 _LEAST_COVER: Final = 0.35
 """Share of a flight's surface that has points."""
 
@@ -129,7 +131,7 @@ def _flight(voxels: F64, away: F64, centre: F64, plane: F64, low: float, high: f
     slope = float(np.hypot(*plane[:2]))
     if len(voxels) < _LEAST_VOXELS or not 0.35 < slope < 1.4:
         return None
-    up = plane[:2] / slope
+    up = _with_the_walls(plane[:2] / slope)
     kept = _together(away, up)
     place, aside = away[kept] @ up, away[kept] @ np.array([-up[1], up[0]])
     first, last = np.percentile(place, [1, 99])
@@ -150,6 +152,12 @@ def _flight(voxels: F64, away: F64, centre: F64, plane: F64, low: float, high: f
     foot = centre + up * first + np.array([-up[1], up[0]]) * (left + right) / 2
     risers = max(2, round((top - bottom) / RISER_M))
     return Flight(foot, up, float(last - first), float(right - left), risers - 1, float(bottom), float(top))
+
+
+def _with_the_walls(up: F64) -> F64:
+    """Turn a direction exactly along the page where it nearly is: a slope of few steps tells it but roughly."""
+    nearest = np.eye(2)[int(np.argmax(np.abs(up)))] * np.sign(up[np.argmax(np.abs(up))])
+    return np.asarray(nearest if abs(up[0] * nearest[1] - up[1] * nearest[0]) < _SQUARE_SIN else up)
 
 
 def _together(away: F64, up: F64) -> Bool:

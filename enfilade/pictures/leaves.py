@@ -154,7 +154,7 @@ def draw_door(pen: Pen, one: Gap, hung: Sequence[Leaf]) -> None:
     for leaf in hung:
         way, across = leaf.at(degrees), leaf.at(degrees - 90)
         # A shut leaf lies within the wall, an open one beside the jamb that it hangs on.
-        thick = across * -_LEAF_M if degrees < 45 else across * _LEAF_M
+        thick = across * _LEAF_M
         tip = leaf.hinge + leaf.length * way
         boards.append(Path([leaf.hinge, tip, tip + thick, leaf.hinge + thick, leaf.hinge], closed=True))
         arcs.append(Path([leaf.hinge + leaf.length * leaf.at(step) for step in np.linspace(0, 90, 25)]))
@@ -185,7 +185,8 @@ def draw_lintel(pen: Pen, one: Gap) -> None:
 def draw_passage(pen: Pen, one: Gap) -> None:
     """Leave the break in the wall open; dots say that two rooms meet here."""
     name = f"passage-{one.opening.node.id.split('/', 1)[1]}"
-    middle = one.opening.ends + (one.near + one.far) / 2 * one.opening.across
+    # Outlines of both rooms may reach into it; the hole itself was measured.
+    middle = one.opening.ends + float(np.clip(0.0, one.near, one.far)) * one.opening.across
     pen.lines([middle], layer=LAYER, weight=FINE_MM, style=DASHED if one.opening.doubtful else DOTTED, gid=name)
 
 

@@ -86,6 +86,7 @@ def place_labels(
     lines: Mapping[str, Sequence[str]],
     obstacles: Sequence[BaseGeometry],
     mm_per_m: float,
+    marks: Sequence[BaseGeometry] = (),
 ) -> list[Label]:
     """Place the names of rooms.
 
@@ -99,6 +100,8 @@ def place_labels(
         What is to be kept clear beside the walls: swings of doors, stairs.
     mm_per_m
         Scale.
+    marks
+        What is better kept clear, where the room has the space.
 
     Returns
     -------
@@ -106,11 +109,14 @@ def place_labels(
         One a room. Where not even the smallest letters fit, a number takes their place.
     """
     free = _free_floors(rooms, obstacles, mm_per_m)
+    tree = STRtree(marks)
     labels: list[Label] = []
     numbers = 0
     for room, floor in zip(rooms, free, strict=True):
         more = tuple(lines.get(room.node.id, ()))
-        label = _written(room, floor, more, mm_per_m)
+        beside = [marks[number] for number in tree.query(room.polygon)]
+        label = _written(room, floor.difference(shapely.union_all(beside)), more, mm_per_m) if beside else None
+        label = label or _written(room, floor, more, mm_per_m)
         labels.append(label or _numbered(room, floor, more, 1 + numbers, mm_per_m))
         numbers += label is None
     return labels

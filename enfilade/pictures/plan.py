@@ -234,7 +234,13 @@ def _count_listed(labels: Sequence[Label]) -> int:
 
 
 def _labels(plan: StoreyPlan, paper: Sheet) -> list[Label]:
-    return place_labels(list(plan.scene.rooms.values()), plan.lines, plan.obstacles, paper.mm_per_m)
+    rooms, arm = list(plan.scene.rooms.values()), _SCAN_MM / paper.mm_per_m
+    crosses = [
+        shapely.box(*(place - arm), *(place + arm))
+        for room in rooms
+        for place in plan.scene.frame.points(scan_places(room.node.properties))
+    ]
+    return place_labels(rooms, plan.lines, plan.obstacles, paper.mm_per_m, crosses)
 
 
 def _draw(pen: Pen, plan: StoreyPlan, labels: Sequence[Label], around: Surroundings) -> None:

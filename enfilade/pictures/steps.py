@@ -24,6 +24,8 @@ _CUT_M: Final = 1.2
 _HEAD_M: Final = 0.16
 _BREAK_M: Final = 0.12
 _LAYER: Final = 3.0
+_DOWN_LAYER: Final = 2.0
+"""Stairs that lead down lie under those that lead up through the same well."""
 _LABEL_PT: Final = 6.5
 _USUAL_STOREY_M: Final = 2.8
 
@@ -108,16 +110,17 @@ def draw_stairs(pen: Pen, stairs: Stairs, scene: PlanScene) -> None:
     """
     rooms = [scene.rooms[room].polygon for room in stairs.opening.rooms if room in scene.rooms]
     seen = pen.within(union_all(rooms)) if stairs.upward is False and rooms and stairs.flights[0].measured else pen
+    layer = _DOWN_LAYER if stairs.upward is False else _LAYER
     gid: str | None = f"stairs-{stairs.opening.node.id.split('/', 1)[1]}"
     for flight in stairs.flights:
         style = SOLID if flight.measured and not stairs.opening.doubtful else DASHED
         shape = Polygon(flight.corners)
-        seen.area(shape, layer=_LAYER, fill=PAPER, edge=INK, weight=SEEN_MM, style=style, gid=gid)
-        _draw_treads(seen, flight, _cut(flight, stairs), style)
+        seen.area(shape, layer=layer, fill=PAPER, edge=INK, weight=SEEN_MM, style=style, gid=gid)
+        _draw_treads(seen, flight, _cut(flight, stairs), style, layer)
         if flight.measured:
-            _draw_arrow(seen, flight, rising=stairs.upward is not False)
+            _draw_arrow(seen, flight, layer, rising=stairs.upward is not False)
         gid = None
-    _write_way(pen, stairs)
+    _write_way(pen, stairs, layer)
 
 
 def _cut(flight: Flight, stairs: Stairs) -> float:
@@ -128,7 +131,7 @@ def _cut(flight: Flight, stairs: Stairs) -> float:
     return float(np.clip((cut - flight.low) / max(flight.high - flight.low, 1e-6), 0.0, 1.0))
 
 
-def _draw_treads(pen: Pen, flight: Flight, cut: float, style: object) -> None:
+def _draw_treads(pen: Pen, flight: Flight, cut: float, style: object, layer: float) -> None:
     """Draw a line an edge of a tread, dashed above the cut, and the cut itself."""
     half = flight.width / 2 * np.array([-flight.up[1], flight.up[0]])
     shares = np.arange(1, flight.treads + 1) / (flight.treads + 1)
@@ -137,8 +140,8 @@ def _draw_treads(pen: Pen, flight: Flight, cut: float, style: object) -> None:
     ]
     below = [edge for edge, share in zip(edges, shares, strict=True) if share <= cut]
     above = [edge for edge, share in zip(edges, shares, strict=True) if share > cut]
-    pen.lines(below, layer=_LAYER + 0.1, weight=FINE_MM, style=SOLID if style == SOLID else DASHED)
-    pen.lines(above, layer=_LAYER + 0.1, weight=FINE_MM, style=DASHED)
+    pen.lines(below, layer=layer + 0.1, weight=FINE_MM, style=SOLID if style == SOLID else DASHED)
+    pen.lines(above, layer=layer + 0.1, weight=FINE_MM, style=DASHED)
     if 0.0 < cut < 1.0:
         middle, slant = flight.foot + cut * flight.length * flight.up, 0.35 * flight.width * flight.up
         zigzag = _BREAK_M * flight.up
@@ -151,28 +154,28 @@ def _draw_treads(pen: Pen, flight: Flight, cut: float, style: object) -> None:
                     [a, centre - third, centre - third / 3 + zigzag, centre + third / 3 - zigzag, centre + third, b]
                 )
             ],
-            layer=_LAYER + 0.3,
+            layer=layer + 0.3,
         )
 
 
-def _draw_arrow(pen: Pen, flight: Flight, *, rising: bool) -> None:
+def _draw_arrow(pen: Pen, flight: Flight, layer: float, *, rising: bool) -> None:
     """Draw the line of walking from the first step that one treads on, with an arrow to where it leads."""
     ends = [flight.foot + 0.04 * flight.up, flight.foot + (flight.length - 0.05) * flight.up]
     (start, end), way = (ends, flight.up) if rising else (ends[::-1], -flight.up)
     side = _HEAD_M * np.array([-way[1], way[0]])
     head = [end - _HEAD_M * way + 0.45 * side, end, end - _HEAD_M * way - 0.45 * side]
-    pen.lines([np.array([start, end]), np.array(head)], layer=_LAYER + 0.2, weight=SEEN_MM)
+    pen.lines([np.array([start, end]), np.array(head)], layer=layer + 0.2, weight=SEEN_MM)
     ring = start + 0.05 * np.array([(np.cos(t), np.sin(t)) for t in np.linspace(0, 2 * np.pi, 17)])
-    pen.path(Path(ring, closed=True), layer=_LAYER + 0.2, fill=PAPER, weight=SEEN_MM)
+    pen.path(Path(ring, closed=True), layer=layer + 0.2, fill=PAPER, weight=SEEN_MM)
 
 
-def _write_way(pen: Pen, stairs: Stairs) -> None:
+def _write_way(pen: Pen, stairs: Stairs, layer: float) -> None:
     """Write "up" at the foot of stairs that lead up, "down" at the head of those that lead down."""
     text = {True: "up", False: "down", None: "stairs"}[stairs.upward]
     flight = stairs.flights[-1] if stairs.upward is False else stairs.flights[0]
     middle = flight.foot + (0.5 if not flight.measured else 0.16 if stairs.upward else 0.84) * flight.length * flight.up
     paper = {"facecolor": PAPER, "edgecolor": "none", "pad": 0.6}
-    pen.write(middle, text, _LABEL_PT, layer=_LAYER + 0.9, bbox=paper)
+    pen.write(middle, text, _LABEL_PT, layer=layer + 0.9, bbox=paper)
 
 
 def draw_hatch(pen: Pen, opening: PlannedOpening, name: str) -> None:

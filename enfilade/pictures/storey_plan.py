@@ -14,9 +14,11 @@ from shapely.geometry.base import BaseGeometry
 
 from enfilade.clouds import LabelledCloud
 from enfilade.schema.graph import BuildingGraph, Node
+from enfilade.schema.ids import parse
 from enfilade.schema.topology import Topology, topology
 
-from .faces import WallFaces, upright_points, wall_faces
+from .endings import wall_cells
+from .faces import WallFaces, wall_faces
 from .flights import Flight
 from .frame import PageFrame, page_frame
 from .furniture import object_outlines
@@ -24,19 +26,15 @@ from .leaves import Leaf, hang_doors
 from .reveals import PlanGrid, outer_thickness, plan_grid
 from .scene import Bounds, PlannedOpening, PlanScene, outline_rings, plan_scene
 from .steps import Stairs, all_flights, find_stairs
-from .thinning import thinned
 from .walls import USUAL_THICKNESS_M, Gap, Walls, build_walls, gap
 
 F64 = NDArray[np.float64]
 
-_WALL_BAND_M: Final = (0.3, 3.5)
-"""Heights over the floor in which points show that there is a wall; under a roof it may be low."""
 _VOID_M: Final = 1.0
 """A room whose ceiling is so far above the floor of the next storey reaches through it."""
 _LEAST_VOID_M2: Final = 0.8
 _LEVEL_M: Final = 0.08
 """A floor so far from the storey's elevation has its own level written."""
-_WALL_CELL_M: Final = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,9 +47,11 @@ class Surroundings:
         How the building lies on the page.
     faces
         Faces of walls by number of room.
-    grid, walls
-        All points by place, and those of walls and of what hides them, ``(n, 3)``, thinned, on the page; None without a
-        cloud.
+    grid
+        All points by place; None without a cloud.
+    walls
+        By number of a room, ``(n, 2)`` places on the page where its walls, or what hides them, were seen; None without
+        a cloud.
     outlines
         Outlines of objects by number; None where their points are not known.
     furniture
@@ -63,7 +63,7 @@ class Surroundings:
     frame: PageFrame
     faces: Mapping[int, WallFaces] = field(default_factory=dict)
     grid: PlanGrid | None = None
-    walls: F64 | None = None
+    walls: Mapping[int, F64] | None = None
     outlines: dict[int, BaseGeometry] | None = None
     furniture: bool = False
 
@@ -125,12 +125,10 @@ def surroundings(graph: BuildingGraph, cloud: LabelledCloud | None, *, furniture
     frame, ends = page_frame(rings), topology(graph)
     if cloud is None or not len(cloud):
         return Surroundings(graph, ends, frame, furniture=furniture)
-    # What stands along a wall hides it: it tells as much as the wall itself that the room ends there.
-    ending = cloud.positions[upright_points(cloud) | (cloud.object >= 0) | (cloud.plane < 0)]
-    walls = thinned(np.column_stack([frame.points(ending[:, :2]), ending[:, 2]]), _WALL_CELL_M)
+    frame, faces = wall_faces(cloud, frame)
+    walls = wall_cells(cloud, frame, graph)
     outlines = object_outlines(cloud, frame) if furniture else None
-    faces, grid = wall_faces(cloud, frame), plan_grid(cloud, frame)
-    return Surroundings(graph, ends, frame, faces, grid, walls, outlines, furniture)
+    return Surroundings(graph, ends, frame, faces, plan_grid(cloud, frame), walls, outlines, furniture)
 
 
 def plan_storeys(around: Surroundings, storeys: Sequence[Node]) -> list[StoreyPlan]:
@@ -175,20 +173,17 @@ def _plan(
     hung = hang_doors(gaps, scene.rooms)
     stairs = tuple(find_stairs(scene, flights))
     walked = [Polygon(flight.corners) for way in stairs if way.upward for flight in way.flights if flight.measured]
-    walls = build_walls(scene, gaps, outer_m, _wall_cells(around.walls, scene), walked)
+    walls = build_walls(scene, gaps, outer_m, _wall_places(around.walls, scene), walked)
     voids = tuple(_voids(around.graph, storey, scenes))
     return StoreyPlan(storey, scene, walls, gaps, hung, stairs, voids, _lines(storey, scene), outer_m)
 
 
-def _wall_cells(walls: F64 | None, scene: PlanScene) -> F64 | None:
-    """``(n, 2)`` where there are walls at the height of a storey, thinned."""
+def _wall_places(walls: Mapping[int, F64] | None, scene: PlanScene) -> F64 | None:
+    """``(n, 2)`` where the walls of a storey's rooms were seen."""
     if walls is None:
         return None
-    floors = [room.node.properties.get("floor_elevation") for room in scene.rooms.values()]
-    known = [floor for floor in floors if floor is not None]
-    if known:
-        walls = walls[(walls[:, 2] > min(known) + _WALL_BAND_M[0]) & (walls[:, 2] < max(known) + _WALL_BAND_M[1])]
-    return thinned(walls[:, :2], _WALL_CELL_M)
+    seen = (walls.get(parse(room).numbers[0]) for room in scene.rooms)
+    return np.concatenate([np.empty((0, 2)), *(places for places in seen if places is not None)])
 
 
 def _voids(graph: BuildingGraph, storey: Node, scenes: Mapping[str, PlanScene]) -> list[Void]:

@@ -31,6 +31,13 @@ USUAL_THICKNESS_M: Final = 0.30
 THICKEST_WALL_M: Final = 0.70
 _SHAFT_M2: Final = 1.5
 """Columns and shafts up to this size, enclosed by rooms, are solid."""
+_COURT_M2: Final = 15.0
+"""What rooms enclose is a court from this size on; smaller, a room that no scan saw, behind usual partitions."""
+_PARTITION_M: Final = 0.12
+_STRAIGHT_M: Final = 0.015
+_NOTCH_M: Final = 1.0
+_LEAST_NOTCH_M2: Final = 0.25
+_LEAST_SOLID_M2: Final = 0.02
 _REACH_M: Final = 1.0
 _LEAST_DEPTH_M: Final = 0.04
 _SEEN_M: Final = 0.25
@@ -150,7 +157,7 @@ def build_walls(
         return Walls(MultiPolygon(), MultiLineString())
     rooms = union_all([*shapes, *(flight.buffer(-_UNDER_M, join_style="mitre") for flight in walked)], grid_size=1e-4)
     house = _without_small_holes(_closed(rooms, THICKEST_WALL_M / 2))
-    solid = house.buffer(outer_m, join_style="mitre", mitre_limit=_MITRE).difference(rooms)
+    solid = _outside(house, outer_m).difference(union_all([rooms, _enclosed(house, outer_m)]))
     unseen = MultiLineString()
     if wall_points is not None:
         unseen, seen = _sighted(rooms, gaps, wall_points)
@@ -190,8 +197,29 @@ def _without_small_holes(shape: BaseGeometry) -> BaseGeometry:
     return union_all(filled)
 
 
+def _outside(house: BaseGeometry, outer_m: float) -> BaseGeometry:
+    """Return the house with its outer walls, courts filled, small notches in its outer faces too."""
+    # Of a corner that a tiny edge cuts off the mitre would be cut off as well.
+    shells = union_all([Polygon(part.exterior) for part in _polygons_of(house).geoms]).simplify(_STRAIGHT_M)
+    walls = shells.buffer(outer_m, join_style="mitre", mitre_limit=_MITRE)
+    notches = get_parts(_closed(walls, _NOTCH_M / 2).difference(walls))
+    return union_all([walls, *(notch for notch in notches if notch.area <= _LEAST_NOTCH_M2)])
+
+
+def _enclosed(house: BaseGeometry, outer_m: float) -> BaseGeometry:
+    """Return what lies behind walls within the house: courts, and rooms that no scan saw."""
+    holes = [Polygon(ring) for part in _polygons_of(house).geoms for ring in part.interiors]
+    return union_all(
+        [
+            hole.buffer(-outer_m if hole.area >= _COURT_M2 else -_PARTITION_M, join_style="mitre", mitre_limit=_MITRE)
+            for hole in holes
+        ]
+    )
+
+
 def _polygons_of(shape: BaseGeometry) -> MultiPolygon:
-    return MultiPolygon([part for part in get_parts(shape) if isinstance(part, Polygon) and part.area > 1e-4])
+    parts = (part for part in get_parts(shape) if isinstance(part, Polygon))
+    return MultiPolygon([part for part in parts if part.area > _LEAST_SOLID_M2])
 
 
 def _sighted(rooms: BaseGeometry, gaps: Sequence[Gap], wall_points: F64) -> tuple[MultiLineString, MultiLineString]:

@@ -65,7 +65,8 @@ def test_export_is_read_by_networkx_and_ply_readers(demo: Demo) -> None:
     assert graph.nodes["demo"]["label"] == "Building"
     assert graph.nodes["demo"]["scan_count"] == 17
     vertex = PlyData.read(str(folder / "cloud.ply"))["vertex"]
-    assert [p.name for p in vertex.properties] == ["x", "y", "z", "storey", "room", "object", "plane", "scan"]
+    labels = ["storey", "room", "object", "plane", "scan"]
+    assert [p.name for p in vertex.properties] == ["x", "y", "z", *labels, "intensity"]
     rooms = {f"demo/r{number}" for number in set(vertex["room"].tolist()) - {-1}}
     assert rooms == {node for node, given in graph.nodes(data=True) if given["label"] == "Room"}
 

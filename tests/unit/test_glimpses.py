@@ -12,7 +12,7 @@ from enfilade.ingest.groups import group_scans
 from enfilade.ingest.inside import keep_inside
 from enfilade.ingest.planes import Planes, find_planes
 from enfilade.ingest.plans import draw_plans
-from enfilade.ingest.records import RoomLabels, Scan, Surfels
+from enfilade.ingest.records import Plan, RoomLabels, Scan, Surfels
 from enfilade.ingest.rooms import label_rooms
 from enfilade.ingest.surfels import make_surfels
 from enfilade.ingest.thinning import thin
@@ -21,14 +21,14 @@ from enfilade.ingest.thinning import thin
 BEHIND = replace(RIGHT, low=(4.15, 0.5, 0.0), high=(7.0, 2.4, 2.5))
 
 
-def labelled(parts: list[Scan]) -> tuple[Surfels, Planes, RoomLabels, np.ndarray]:
+def labelled(parts: list[Scan]) -> tuple[Surfels, Planes, RoomLabels, tuple[Plan, ...], np.ndarray]:
     """Labels before rooms are made of glimpses."""
     cloud = thin(parts)
     surfels = make_surfels(cloud)
     planes = find_planes(surfels)
     labels = label_rooms(surfels, planes, group_scans(planes, cloud.scanner_positions))
     drafts = draw_plans(cloud, surfels, planes, labels, by_floors=False)
-    return surfels, planes, keep_inside(surfels, labels, drafts), cloud.scanner_positions
+    return surfels, planes, keep_inside(surfels, labels, drafts), drafts, cloud.scanner_positions
 
 
 def well_inside(surfels: Surfels, box: Box) -> np.ndarray:
@@ -36,8 +36,8 @@ def well_inside(surfels: Surfels, box: Box) -> np.ndarray:
 
 
 def test_what_an_open_door_shows_is_a_room_though_no_scan_stands_in_it() -> None:
-    surfels, planes, labels, scanners = labelled([scan(LEFT, [LEFT, BEHIND], DOOR)])
-    found = add_glimpsed_rooms(surfels, planes, labels, scanners)
+    surfels, planes, labels, plans, scanners = labelled([scan(LEFT, [LEFT, BEHIND], DOOR)])
+    found = add_glimpsed_rooms(surfels, planes, labels, plans, scanners)
     assert (labels.room_count, found.room_count) == (1, 2)
     assert (found.after[well_inside(surfels, BEHIND)] == 1).mean() > 0.9
     assert np.array_equal(found.after[labels.after == 0], labels.after[labels.after == 0])
@@ -57,8 +57,8 @@ def test_ground_seen_through_a_door_is_no_room_for_it_has_neither_roof_nor_walls
     seen = scan(LEFT, [LEFT, BEHIND], DOOR)
     points = points_of(seen)
     ground_only = made_of(points[(points[:, 0] < 4.3) | (points[:, 2] < 0.1)], seen)
-    surfels, planes, labels, scanners = labelled([ground_only])
-    assert add_glimpsed_rooms(surfels, planes, labels, scanners).room_count == 1
+    surfels, planes, labels, plans, scanners = labelled([ground_only])
+    assert add_glimpsed_rooms(surfels, planes, labels, plans, scanners).room_count == 1
 
 
 def test_a_roof_alone_makes_no_room() -> None:
@@ -67,19 +67,19 @@ def test_a_roof_alone_makes_no_room() -> None:
     roof = np.stack(np.meshgrid(np.arange(4.2, 9.0, 0.02), np.arange(-1.0, 4.0, 0.02), [2.6]), -1).reshape(-1, 3)
     kept = points[(points[:, 0] < 4.3) | (points[:, 2] < 0.1)]
     canopy = made_of(np.concatenate([kept, roof]), seen)
-    surfels, planes, labels, scanners = labelled([canopy])
-    assert add_glimpsed_rooms(surfels, planes, labels, scanners).room_count == 1
+    surfels, planes, labels, plans, scanners = labelled([canopy])
+    assert add_glimpsed_rooms(surfels, planes, labels, plans, scanners).room_count == 1
 
 
 def test_the_top_of_a_table_is_no_room_over_the_room() -> None:
     seen = scan(LEFT, [LEFT, BEHIND], DOOR)
     top = np.stack(np.meshgrid(np.arange(5.0, 6.4, 0.02), np.arange(1.0, 2.2, 0.02), [0.75]), -1).reshape(-1, 3)
-    surfels, planes, labels, scanners = labelled([made_of(np.concatenate([points_of(seen), top]), seen)])
-    found = add_glimpsed_rooms(surfels, planes, labels, scanners)
+    surfels, planes, labels, plans, scanners = labelled([made_of(np.concatenate([points_of(seen), top]), seen)])
+    found = add_glimpsed_rooms(surfels, planes, labels, plans, scanners)
     assert found.room_count == 2
     assert (found.after[np.abs(surfels.positions[:, 2] - 0.75) < 0.02][-200:] == 1).any()
 
 
 def test_too_little_floor_makes_no_room() -> None:
-    surfels, planes, labels, scanners = labelled([scan(LEFT, [LEFT, BEHIND], DOOR)])
-    assert add_glimpsed_rooms(surfels, planes, labels, scanners, GlimpseParameters(least_floor_m2=6.0)) is labels
+    surfels, planes, labels, plans, scanners = labelled([scan(LEFT, [LEFT, BEHIND], DOOR)])
+    assert add_glimpsed_rooms(surfels, planes, labels, plans, scanners, GlimpseParameters(least_floor_m2=6.0)) is labels

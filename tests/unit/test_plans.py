@@ -14,11 +14,13 @@ from shapely import LineString, Point, Polygon, box
 
 from enfilade.clouds import LabelledCloud
 from enfilade.errors import NotFoundError
-from enfilade.pictures.faces import WallFaces, true_polygon
+from enfilade.pictures.endings import wall_cells
+from enfilade.pictures.faces import WallFaces, true_polygon, wall_faces, without_spurs
 from enfilade.pictures.flights import find_flights
-from enfilade.pictures.frame import AS_SCANNED, page_frame
+from enfilade.pictures.frame import AS_SCANNED, PageFrame, page_frame
+from enfilade.pictures.leaves import draw_door
 from enfilade.pictures.lettering import place_labels
-from enfilade.pictures.paper import choose_sheet
+from enfilade.pictures.paper import choose_sheet, lay_out
 from enfilade.pictures.plan import draw_plan, draw_plans, find_storey
 from enfilade.pictures.reveals import plan_grid
 from enfilade.pictures.scene import PlannedRoom, plan_scene
@@ -189,9 +191,46 @@ def test_a_shape_without_faces_stays_as_it_was():
     assert true_polygon(chamfered, faces).symmetric_difference(chamfered).area < 0.02
 
 
-def cloud_of(positions, room=0):
+def test_what_is_seen_through_a_gap_is_no_part_of_a_room():
+    room = box(0, 0, 5, 4)
+    faces = faces_of([[(0, 0), (5, 0)], [(5, 0), (5, 4)], [(5, 4), (0, 4)], [(0, 4), (0, 0)]])
+    spur = Polygon([(2, 3.9), (2.3, 3.9), (2.6, 6), (2.4, 6)])
+    niche = box(1, -0.6, 1.6, 0.1)
+    assert true_polygon(room.union(spur), faces).symmetric_difference(room).area < 0.05
+    assert without_spurs(room.union(niche)).equals(room.union(niche))
+    assert without_spurs(box(0, 0, 0.3, 2)).equals(box(0, 0, 0.3, 2))
+
+
+def cloud_of(positions, room=0, plane=None):
     labels = np.full(len(positions), -1, np.int32)
-    return LabelledCloud(positions, labels, np.full(len(positions), room, np.int32), labels, labels, labels)
+    plane = labels if plane is None else np.asarray(plane, np.int32)
+    return LabelledCloud(positions, labels, np.full(len(positions), room, np.int32), labels, plane, labels)
+
+
+@given(st.floats(-44, 44))
+@settings(max_examples=20, deadline=None)
+def test_faces_tell_how_a_building_lies_where_the_outlines_raster_does_not(degrees):
+    rng = np.random.default_rng(0)
+    along, z = rng.uniform(-0.5, 0.5, (2, 3000))
+    flat = np.zeros(3000)
+    walls = [(6 * along, flat), (6 * along, flat + 3), (flat - 3, 3 * along + 1.5), (along, 0.5 + along)]
+    xy = np.concatenate([np.column_stack(wall) for wall in walls])
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    positions = np.column_stack([xy @ np.array([[c, s], [-s, c]]), np.tile(z + 1.5, 4)])
+    rough = PageFrame(np.radians(1.2 - degrees), np.zeros(2))
+    frame, faces = wall_faces(cloud_of(positions, plane=np.repeat(np.arange(4), 3000)), rough)
+    assert np.degrees(frame.angle) == pytest.approx(-degrees, abs=0.05)
+    assert np.abs(faces[0].along).max(axis=1)[:3] == pytest.approx(1.0, abs=1e-9)
+
+
+def test_specks_and_what_hangs_from_the_ceiling_are_no_walls(graph):
+    rng = np.random.default_rng(0)
+    specks = np.column_stack([np.arange(0, 4, 0.1), np.full(40, 1.0), rng.uniform(0.5, 2, 40)])
+    ceiling = np.column_stack([rng.uniform(0, 4, 2000), np.full(2000, 2.0), rng.uniform(2.3, 2.9, 2000)])
+    cupboard = np.column_stack([np.full(500, 3.0), rng.uniform(0, 1, 500), rng.uniform(0.0, 0.9, 500)])
+    places = wall_cells(cloud_of(np.concatenate([specks, ceiling, cupboard])), AS_SCANNED, graph)[0]
+    assert places[:, 0] == pytest.approx(3.0)
+    assert len(places) >= 9
 
 
 def flight_points(risers, tread, width, angle):
@@ -214,7 +253,7 @@ def flight_points(risers, tread, width, angle):
     return points + rng.normal(0, 0.004, points.shape)
 
 
-@pytest.mark.parametrize("angle", [0.0, 2.1, -1.3])
+@pytest.mark.parametrize("angle", [0.0, 2.1, -1.2])
 def test_a_flight_is_found_with_its_direction_size_and_treads(graph, angle):
     points = flight_points(16, 0.27, 1.0, angle)
     middle = points[:, :2].mean(axis=0)
@@ -225,6 +264,14 @@ def test_a_flight_is_found_with_its_direction_size_and_treads(graph, angle):
     assert flight.length == pytest.approx(15 * 0.27, abs=0.3)
     assert flight.width == pytest.approx(1.0, abs=0.1)
     assert flight.treads == 15
+
+
+def test_a_flight_that_nearly_runs_with_the_walls_does(graph):
+    points = flight_points(16, 0.27, 1.0, 0.08)
+    add_opening(graph, 9, "stairs", [*points[:, :2].mean(axis=0), 2.8], [0, 0, 1.0], ["b/r0"])
+    opening = plan_scene(graph, ["b/r0"]).openings[-1]
+    (flight,) = find_flights(plan_grid(cloud_of(points), AS_SCANNED), opening, 0.0, 2.8)
+    assert flight.up.tolist() == [1.0, 0.0]
 
 
 def test_no_flight_is_found_in_a_room_with_walls_and_tables(graph):
@@ -244,6 +291,36 @@ def test_reveals_tell_how_thick_outer_walls_are(graph):
     graph.nodes["b/p2"].properties["height"] = 1.2
     (plan,) = plans_of(graph, cloud_of(np.concatenate(jambs)))
     assert plan.outer_m == pytest.approx(0.42, abs=0.03)
+
+
+def test_a_room_that_no_scan_saw_is_enclosed_by_partitions_and_left_empty(graph):
+    for room in list(graph.of_label("Room")):
+        room.properties["outline"] = [[c for corner in rectangle(20, 0, 24, 3) for c in corner]]
+    frame = [rectangle(0, 0, 6, 2), rectangle(0, 4, 6, 6), rectangle(0, 2.1, 2, 3.9), rectangle(4, 2.1, 6, 3.9)]
+    for number, ring in enumerate(frame, start=2):
+        add_room(graph, number, ring)
+    (plan,) = plans_of(graph)
+    assert not plan.walls.solid.intersects(Point(on_page(plan, (3, 3))))
+    assert plan.walls.solid.covers(LineString(on_page(plan, [(2.01, 3.7), (2.1, 3.7)])))
+    assert not plan.walls.solid.intersects(Point(on_page(plan, (2.2, 3.7))))
+
+
+def test_small_notches_in_outer_faces_are_filled_and_wide_ones_stay(graph):
+    add_room(graph, 2, [(0, 3.2), (4, 3.2), (4, 5), (3.5, 5.6), (0.5, 5.6), (0, 5)])
+    add_room(graph, 3, rectangle(4.2, 3.2, 9, 5.6))
+    (plan,) = plans_of(graph)
+    assert plan.walls.solid.covers(Point(on_page(plan, (4.1, 5.85))))
+    assert plan.bounds[3] - plan.bounds[1] == pytest.approx(5.6 + 2 * plan.outer_m, abs=0.01)
+
+
+def test_a_shut_leaf_lies_within_its_wall(graph):
+    (plan,) = plans_of(graph)
+    figure, pen, _ = lay_out(choose_sheet(plan.bounds, 0.0), plan.bounds)
+    (one,) = (one for one in plan.gaps if one.opening.node.id == "b/p1")
+    draw_door(pen, one, plan.leaves["b/p1"])
+    board = next(artist for artist in figure.axes[0].patches if artist.get_gid() == "door-p1")
+    rooms = shapely.union_all([room.polygon.buffer(-1e-6) for room in plan.scene.rooms.values()])
+    assert not rooms.intersects(Polygon(board.get_path().vertices))
 
 
 def test_where_no_wall_was_seen_none_is_drawn(graph):
@@ -313,6 +390,15 @@ def test_rooms_too_small_for_a_name_get_a_number_and_a_list(graph, tmp_path):
     found = groups(tmp_path / "plan.svg")
     assert [found[f"label-r{10 + n}"] for n in range(3)] == ["1", "2", "3"]
     assert "Room 12, 0.1 m²" in (tmp_path / "plan.svg").read_text()
+
+
+def test_names_keep_clear_of_marks_where_there_is_space():
+    polygon = box(0, 0, 4, 3)
+    room = PlannedRoom(Node("b/r0", "Room", {"name": "Hall"}), (), polygon, np.array([2.0, 1.5]), "")
+    (beside,) = place_labels([room], {}, [], 20.0, [box(1.9, 1.4, 2.1, 1.6)])
+    assert not box(*beside.box).intersects(box(1.9, 1.4, 2.1, 1.6))
+    (over,) = place_labels([room], {}, [], 20.0, [polygon])
+    assert over.number is None
 
 
 def test_rooms_over_one_another_do_not_share_a_place_for_names(graph):

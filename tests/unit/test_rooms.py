@@ -194,8 +194,8 @@ def test_scans_that_never_looked_up_are_all_inside() -> None:
 def test_a_bed_that_hides_most_of_the_floor_is_not_the_floor() -> None:
     own = scan(LEFT, [LEFT], None)
     points = np.concatenate([chunk.positions for chunk in own.chunks])
-    under = (points[:, 2] < 0.05) & (points[:, 0] < 2.6)
-    bed = grid((0.05, 2.6), (0.05, 2.95), (0.5, 0.5))
+    under = (points[:, 2] < 0.05) & (np.abs(points[:, 0] - 1.9) < 1.5) & (np.abs(points[:, 1] - 1.55) < 1.15)
+    bed = grid((0.4, 3.4), (0.4, 2.7), (0.5, 0.5))
     building = build(
         [Scan.of_points(own.name, own.source, np.concatenate([points[~under], bed]), own.scanner_position)]
     )
