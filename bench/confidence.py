@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 from enfilade.clouds import read_cloud
 from enfilade.evaluate.evaluation import evaluate_graphs
-from enfilade.ingest import pipeline
+from enfilade.ingest.openings import find_openings
+from enfilade.ingest.pipeline import ingest
 from enfilade.ingest.records import Opening
 from enfilade.schema.exchange import read_graph
 
@@ -38,12 +39,11 @@ def judged(scans: Path) -> Iterator[tuple[Opening, bool]]:
     found: list[Opening] = []
 
     def remember(*arguments: Any) -> tuple[Opening, ...]:
-        found.extend(find(*arguments))
+        found.extend(find_openings(*arguments))
         return tuple(found)
 
-    find = pipeline.find_openings
-    with patch.object(pipeline, "find_openings", remember):
-        building = pipeline.ingest([scans], building="b")
+    with patch("enfilade.ingest.pipeline.find_openings", remember):
+        building = ingest([scans], building="b")
     truth = scans.with_suffix(".truth")
     verdicts = evaluate_graphs(
         building.graph, building.cloud, read_graph(truth / "graph.json"), read_cloud(truth / "cloud.ply")
