@@ -30,12 +30,12 @@ class ConfidenceParameters:
 
     through_wall: Weights = field(
         default_factory=lambda: {
-            "constant": 1.52,
-            "rays": 0.38,
-            "framed": 0.29,
-            "filled": 0.16,
-            "both_sides": 0.88,
-            "glazed": -1.19,
+            "constant": 1.41,
+            "rays": 0.39,
+            "framed": 0.28,
+            "filled": 0.19,
+            "both_sides": 0.87,
+            "glazed": 0.14,
         }
     )
     through_floor: Weights = field(default_factory=lambda: {"constant": 2.2})
@@ -43,7 +43,7 @@ class ConfidenceParameters:
         default_factory=lambda: {"constant": -1.04, "framed": 0.57, "seen": 0.25, "leaf": 0.99, "room_behind": 0.33}
     )
     outside: Weights = field(
-        default_factory=lambda: {"constant": -0.41, "framed": 0.37, "seen": 0.1, "leaf": 1.33, "glazed": 0.86}
+        default_factory=lambda: {"constant": -0.59, "framed": 0.33, "seen": 0.07, "leaf": 1.06, "glazed": 1.45}
     )
 
 
