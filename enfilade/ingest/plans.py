@@ -98,7 +98,7 @@ def _plan(parts: _Parts, planes: Planes, scanners: F32, parameters: RoomPlanPara
     on_floor = parts.positions[parts.plane == floor, 2] if floor >= 0 else parts.positions[:, 2].min(keepdims=True)
     elevation = float(on_floor.mean(dtype=np.float64))
     ceiling = _ceiling(planes, parts, elevation + parameters.least_height_m)
-    outline = _outline(planes, parts, ceiling, parameters)
+    outline = _outline(planes, parts, floor, ceiling, parameters)
     return Plan(outline.area, outline.centre, outline.rings, elevation, ceiling, floor)
 
 
@@ -156,8 +156,10 @@ def _roofed(surfels: Surfels, planes: Planes) -> Bool:
     return roofed
 
 
-def _outline(planes: Planes, parts: _Parts, ceiling: float | None, parameters: RoomPlanParameters) -> Outline:
-    """Outline by ceiling, roofed floor and what is seen just under the ceiling, or by all where that tells little.
+def _outline(
+    planes: Planes, parts: _Parts, floor: int, ceiling: float | None, parameters: RoomPlanParameters
+) -> Outline:
+    """Outline by ceiling, roofed floor and what is seen just under the ceiling, or by the floor where that tells little.
 
     So neither furniture hides a part of the room nor is the ground taken for it that a window shows.
     """
@@ -167,7 +169,8 @@ def _outline(planes: Planes, parts: _Parts, ceiling: float | None, parameters: R
         return _drawn(parts, everything, wall, everything, parameters.outline)
     level = _on(planes.horizontal, parts.plane)
     strip = parts.positions[:, 2] > ceiling - parameters.lintel_m
-    whole = _drawn(parts, level, wall & strip, everything, parameters.outline)
+    by_floor = strip | (parts.plane == floor)
+    whole = _drawn(parts, level & by_floor, wall & strip, by_floor, parameters.outline)
     covered = (level & strip) | parts.roofed
     if not covered.any():
         return whole
