@@ -24,6 +24,8 @@ from .structure import Structure
 I64 = NDArray[np.int64]
 _UP: Final = np.array([[0.0, 0.0, 1.0]], np.float32)
 _LIFT_M: Final = 0.05
+_TRIPOD_M: Final = 2.5
+"""Highest that a scanner stands over its floor."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +102,7 @@ def add_glimpsed_rooms(
     component = _linked(places, structure, parameters)
     known = _one_a_cell(surfels, planes, _known_floor(surfels, planes, labels, plans), parameters.cell_m)
     room = _adjoining(places, component, surfels.positions[known], labels.after[known], structure, parameters)
+    _give_to_scans(room, places, component, scanner_positions, labels.scan_room, structure, parameters)
     scanners = scanner_positions[surfels.scan[floor]]
     sure = _sure(places, component, scanners, structure, planes, parameters)
     new = np.flatnonzero((room < 0) & (sure > 0.0))
@@ -178,6 +181,26 @@ def _adjoining(
     return room
 
 
+def _give_to_scans(
+    room: I32,
+    places: F32,
+    component: I32,
+    scanners: F32,
+    scan_room: I32,
+    structure: Structure,
+    parameters: GlimpseParameters,
+) -> None:
+    """Give components on which a scanner stood to its room: the user may have joined rooms that do not touch."""
+    inside = np.flatnonzero(scan_room >= 0)
+    distance, nearest = cKDTree(places[:, :2]).query(scanners[inside, :2], distance_upper_bound=parameters.take_m)
+    near = np.isfinite(distance)
+    scan, place = inside[near], np.asarray(nearest)[near]
+    height = scanners[scan, 2] - places[place, 2]
+    under = (height > 0.0) & (height < _TRIPOD_M)
+    under &= ~structure.blocked(places[place] + _LIFT_M * _UP, scanners[scan])
+    room[component[place[under]]] = scan_room[scan[under]]
+
+
 def _taken_in(
     surfels: Surfels,
     labels: RoomLabels,
@@ -196,7 +219,8 @@ def _taken_in(
     member, place = _within_sight(surfels, free, places[of_room], structure, parameters)
     after, agreement = labels.after.copy(), labels.agreement.copy()
     after[member] = room[of_room][place]
-    agreement[member] = sure[of_room][place]
+    new_member = after[member] >= labels.room_count
+    agreement[member[new_member]] = sure[of_room][place[new_member]]
     return replace(labels, after=after, agreement=agreement, room_count=labels.room_count + new)
 
 
