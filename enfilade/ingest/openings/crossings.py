@@ -132,10 +132,12 @@ def _pieces(side: Side) -> F64:
 
 
 def _cells(places: F64, number: I64, reach: float) -> _Cells:
-    """List for each cell the sides that have a place within reach of it."""
+    """List for each cell the sides that have a place within reach of it; the grid is around the places alone."""
+    if not len(places):
+        return _Cells(np.zeros(3), np.ones(3, np.int64), np.zeros(2, np.int64), np.zeros(0, np.int32))
     reach += PIECE_M / 2
-    low = places.min(axis=0, initial=0.0) - reach
-    shape = np.floor((places.max(axis=0, initial=0.0) + reach - low) / CELL_M).astype(np.int64) + 1
+    low = places.min(axis=0) - reach
+    shape = np.floor((places.max(axis=0) + reach - low) / CELL_M).astype(np.int64) + 1
     count = int(number.max(initial=0)) + 1
     pairs = []
     for corner in itertools.product((-1, 0, 1), repeat=3):
