@@ -47,6 +47,8 @@ class GlimpseParameters:
     least_roofed, least_walled
         Shares of its floor that have something above, of which a scanner on the other side of the door sees little,
         and that have a wall behind.
+    headroom_m, most_low
+        At most such a share of it may have less than so much height above: the space under a flight of stairs is no room.
     link_m
         Floor closer than this in plan with no wall between is of one room.
     least_links
@@ -66,6 +68,8 @@ class GlimpseParameters:
     reach_m: float = 12.0
     least_roofed: float = 0.15
     least_walled: float = 0.7
+    headroom_m: float = 1.7
+    most_low: float = 0.5
     link_m: float = 0.5
     least_links: int = 3
     furniture_m: float = 1.3
@@ -152,10 +156,12 @@ def _sure(
     Seen in part and from outside, a room is never as sure as one that a scanner stood in.
     """
     size = np.bincount(component)
-    roofed = np.bincount(component, _roofed(places, structure)) / size
+    clearance = _clearance(places, structure)
+    roofed = np.bincount(component, np.isfinite(clearance)) / size
+    low = np.bincount(component, clearance < parameters.headroom_m) / size
     walled = np.bincount(component, _walled(places, scanners, structure, planes, parameters)) / size
     kept = (size * parameters.cell_m**2 >= parameters.least_floor_m2) & (roofed >= parameters.least_roofed)
-    kept &= walled >= parameters.least_walled
+    kept &= (walled >= parameters.least_walled) & (low <= parameters.most_low)
     return np.where(kept, 0.25 * (1.0 + roofed) * walled, 0.0).astype(np.float32)
 
 
@@ -238,9 +244,9 @@ def _linked(places: F32, structure: Structure, parameters: GlimpseParameters) ->
     return np.asarray(sparse.csgraph.connected_components(links, directed=False)[1], np.int32)
 
 
-def _roofed(places: F32, structure: Structure) -> Bool:
-    """``(n,)``: which places have something above."""
-    return np.greater_equal(structure.cast(places + _LIFT_M * _UP, np.repeat(_UP, len(places), axis=0)).plane, 0)
+def _clearance(places: F32, structure: Structure) -> F32:
+    """``(n,)`` metres from each place up to what is above, infinite where nothing is."""
+    return structure.cast(places + _LIFT_M * _UP, np.repeat(_UP, len(places), axis=0)).distance
 
 
 def _walled(

@@ -80,6 +80,15 @@ def test_the_top_of_a_table_is_no_room_over_the_room() -> None:
     assert (found.after[np.abs(surfels.positions[:, 2] - 0.75) < 0.02][-200:] == 1).any()
 
 
+def test_the_space_under_a_flight_of_stairs_is_no_room() -> None:
+    seen = scan(LEFT, [LEFT, BEHIND], DOOR)
+    flight = np.stack(np.meshgrid(np.arange(4.6, 7.0, 0.02), np.arange(0.5, 2.4, 0.02), [1.5]), -1).reshape(-1, 3)
+    points = points_of(seen)
+    under = points[(points[:, 0] < 4.6) | (points[:, 2] < 1.45)]
+    surfels, planes, labels, plans, scanners = labelled([made_of(np.concatenate([under, flight]), seen)])
+    assert add_glimpsed_rooms(surfels, planes, labels, plans, scanners).room_count == 1
+
+
 def test_too_little_floor_makes_no_room() -> None:
     surfels, planes, labels, plans, scanners = labelled([scan(LEFT, [LEFT, BEHIND], DOOR)])
     assert add_glimpsed_rooms(surfels, planes, labels, plans, scanners, GlimpseParameters(least_floor_m2=6.0)) is labels
