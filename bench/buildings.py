@@ -18,6 +18,7 @@ from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any, Final
 
 from enfilade.atomic import replacing
@@ -66,15 +67,14 @@ def enfilade(*arguments: str | Path, folder: Path) -> tuple[str, float, float]:
         With the last line that it wrote, if it fails.
     """
     command = [sys.executable, "-m", "enfilade", *map(str, arguments)]
-    errors = folder / f".{os.getpid()}-{arguments[0]}-{Path(arguments[1]).name}.log"
-    with errors.open("w+") as log:
+    with TemporaryFile("w+") as log:
         process = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=log, text=True)
         assert process.stdout is not None
         printed = process.stdout.read()
         _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
-    said = errors.read_text().strip().splitlines()
-    errors.unlink()
+        log.seek(0)
+        said = log.read().strip().splitlines()
     if process.returncode:
         raise RuntimeError(said[-1] if said else f"{arguments[0]} stopped with status {process.returncode}")
     return printed, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1e6
