@@ -15,6 +15,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from enfilade.ingest.parallel import in_slices
 from enfilade.ingest.records import F32, F64, I32, Bool
 from enfilade.ingest.sides import Side
 
@@ -103,13 +104,14 @@ class SideGrid:
 
         `end` are the ``(n, 3)`` measured points, `start` the ``(S, 3)`` scanners, `scan` is ``(n,)``.
         """
-        ahead = self._ahead(start)
-        found = _find_ends(end, start, ahead, scan, self._planes, *_unpacked(self._near), *self._reach)
+        near, rays = _unpacked(self._near), len(end) if len(self._planes) else 0
+        found = in_slices(_find_ends, rays, end, start, self._ahead(start), scan, self._planes, *near, *self._reach)
         return _ordered(found, len(self._planes))
 
     def crossings(self, end: F32, start: F32, scan: I32) -> Meetings:
         """Return the rays that go through a side, from either side."""
-        found = _find_crossings(end, start, self._ahead(start), scan, self._planes, *_unpacked(self._path))
+        path, rays = _unpacked(self._path), len(end) if len(self._planes) else 0
+        found = in_slices(_find_crossings, rays, end, start, self._ahead(start), scan, self._planes, *path)
         return _ordered(found, len(self._planes))
 
     def _ahead(self, start: F32) -> F32:
@@ -117,8 +119,10 @@ class SideGrid:
         return np.asarray(start @ self._planes[:, :3].T - self._planes[:, 3], np.float32)
 
 
-def _ordered(found: tuple[I32, F32], count: int) -> Meetings:
-    numbers, values = found
+def _ordered(found: Sequence[tuple[I32, F32]], count: int) -> Meetings:
+    """Order by side what slices of rays met, themselves in order of rays."""
+    numbers = np.concatenate([np.empty((0, 3), np.int32), *(numbers for numbers, _ in found)])
+    values = np.concatenate([np.empty((0, 3), np.float32), *(values for _, values in found)])
     side = numbers[:, 1].astype(np.uint16) if numbers[:, 1].max(initial=0) < 1 << 16 else numbers[:, 1]
     order = np.argsort(side, kind="stable")  # linear in short integers
     first = np.searchsorted(side[order], np.arange(count + 1, dtype=side.dtype))
@@ -152,7 +156,7 @@ def _unpacked(cells: _Cells) -> tuple[F64, I64, I64, I32]:
     return cells.low, cells.shape, cells.first, cells.members
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _grown(numbers, values):  # type: ignore[no-untyped-def]
     """Twice the room for what is found."""
     more, also = np.empty((2 * len(numbers), 3), np.int32), np.empty((2 * len(values), 3), np.float32)
@@ -160,7 +164,7 @@ def _grown(numbers, values):  # type: ignore[no-untyped-def]
     return more, also
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _at(plane, x, y, z):  # type: ignore[no-untyped-def]
     """Coordinates of a place along the axes of a side, and whether they lie in its bounds."""
     u = plane[4] * x + plane[5] * y + plane[6] * z
@@ -168,13 +172,27 @@ def _at(plane, x, y, z):  # type: ignore[no-untyped-def]
     return u, v, plane[10] <= u <= plane[12] and plane[11] <= v <= plane[13]
 
 
-@njit(cache=True)
-def _find_ends(end, start, ahead, scan, planes, low, shape, first, members, front_m, inset_m):  # type: ignore[no-untyped-def]
+@njit(cache=True, nogil=True)
+def _on_the_way(here, there, t):  # type: ignore[no-untyped-def]
+    """Where a share `t` of the way is done."""
+    return (
+        here[0] + t * (there[0] - here[0]),
+        here[1] + t * (there[1] - here[1]),
+        here[2] + t * (there[2] - here[2]),
+    )
+
+
+@njit(cache=True, nogil=True)
+def _find_ends(first_ray, past_ray, end, start, ahead, scan, planes, low, shape, first, members, front_m, inset_m):  # type: ignore[no-untyped-def]
     """Test each point with the sides near it; of one behind a side the place is where its ray goes through."""
     numbers, values, count = np.empty((1024, 3), np.int32), np.empty((1024, 3), np.float32), 0
-    for ray in range(len(end)):
+    for ray in range(first_ray, past_ray):
         x, y, z = end[ray, 0], end[ray, 1], end[ray, 2]
-        i, j, k = int((x - low[0]) // CELL_M), int((y - low[1]) // CELL_M), int((z - low[2]) // CELL_M)
+        i, j, k = (
+            int(np.floor((x - low[0]) / CELL_M)),
+            int(np.floor((y - low[1]) / CELL_M)),
+            int(np.floor((z - low[2]) / CELL_M)),
+        )
         if i < 0 or j < 0 or k < 0 or i >= shape[0] or j >= shape[1] or k >= shape[2]:
             continue
         cell = (i * shape[1] + j) * shape[2] + k
@@ -186,8 +204,7 @@ def _find_ends(end, start, ahead, scan, planes, low, shape, first, members, fron
                 continue
             if height < -plane[14]:
                 t = s / (s - height)
-                way = start[scan[ray]] + t * (end[ray] - start[scan[ray]])
-                x, y, z = way[0], way[1], way[2]
+                x, y, z = _on_the_way(start[scan[ray]], end[ray], t)
             else:
                 x, y, z = end[ray, 0], end[ray, 1], end[ray, 2]
             u, v, inside = _at(plane, x, y, z)
@@ -200,13 +217,13 @@ def _find_ends(end, start, ahead, scan, planes, low, shape, first, members, fron
     return numbers[:count], values[:count]
 
 
-@njit(cache=True)
-def _find_crossings(end, start, ahead, scan, planes, low, shape, first, members):  # type: ignore[no-untyped-def]
+@njit(cache=True, nogil=True)
+def _find_crossings(first_ray, past_ray, end, start, ahead, scan, planes, low, shape, first, members):  # type: ignore[no-untyped-def]
     """Walk every ray cell by cell (Amanatides and Woo 1987) and test the sides of each cell once."""
     numbers, values, count = np.empty((1024, 3), np.int32), np.empty((1024, 3), np.float32), 0
     tested = np.full(len(planes), -1, np.int64)
     at, step, edge, stride = np.empty(3, np.int64), np.empty(3, np.int64), np.empty(3), np.empty(3)
-    for ray in range(len(end)):
+    for ray in range(first_ray, past_ray):
         here = start[scan[ray]]
         left = _set_out(here, end[ray], low, at, step, edge, stride)
         while True:
@@ -221,8 +238,7 @@ def _find_crossings(end, start, ahead, scan, planes, low, shape, first, members)
                     if s * e >= 0.0 or abs(s) <= plane[14] or abs(e) <= plane[14]:
                         continue
                     t = s / (s - e)
-                    way = here + t * (end[ray] - here)
-                    u, v, inside = _at(plane, way[0], way[1], way[2])
+                    u, v, inside = _at(plane, *_on_the_way(here, end[ray], t))
                     if inside:
                         if count == len(numbers):
                             numbers, values = _grown(numbers, values)
@@ -238,7 +254,7 @@ def _find_crossings(end, start, ahead, scan, planes, low, shape, first, members)
     return numbers[:count], values[:count]
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _set_out(here, there, low, at, step, edge, stride):  # type: ignore[no-untyped-def]
     """Stand in the first cell of a ray: cell, direction, where the next cells begin; returns how many follow."""
     left = 0
