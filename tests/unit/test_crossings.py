@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from enfilade.ingest.openings.crossings import SideGrid, _cells
+from enfilade.ingest.records import F32, I32
 from enfilade.ingest.sides import Side
 
 
@@ -23,26 +24,44 @@ def test_without_sides_no_ray_meets_any() -> None:
     assert len(grid.ends(end, start, scan).ray) == 0
 
 
-def test_many_rays_on_several_threads_meet_what_each_meets_alone() -> None:
-    across = np.array([1.0, 0.0, 0.0])
-    up = np.array([0.0, 0.0, 1.0])
-    along = np.array([0.0, 1.0, 0.0])
-    extent = np.array([0.0, 0.0, 4.0, 2.5])
-    sides = [Side(room, (room,), across, 2.0 * room, along, up, extent, np.zeros(0, np.int32)) for room in range(3)]
-    grid = SideGrid(sides, [0.03] * len(sides), front_m=0.3, inset_m=0.2)
+def _wall(room: int, normal: tuple[float, float, float], offset: float) -> Side:
+    facing, up = np.array(normal), np.array([0.0, 0.0, 1.0])
+    extent = np.array([-4.0, 0.0, 4.0, 2.5])
+    return Side(room, (room,), facing, offset, np.cross(up, facing), up, extent, np.zeros(0, np.int32))
+
+
+SIDES = [_wall(room, (1.0, 0.0, 0.0), 2.0 * room) for room in range(3)] + [_wall(3, (0.0, 1.0, 0.0), 2.0)]
+
+
+def _grid(sides: list[Side]) -> SideGrid:
+    return SideGrid(sides, [0.03] * len(sides), front_m=0.3, inset_m=0.2)
+
+
+def _rays(count: int) -> tuple[F32, F32, I32]:
+    """Ends, starts, and the start of each end."""
     rng = np.random.default_rng(5)
-    end = rng.uniform([-1.0, -0.5, -0.5], [5.0, 4.5, 3.0], (300, 3)).astype(np.float32)
+    end = rng.uniform([-1.0, -0.5, -0.5], [5.0, 4.5, 3.0], (count, 3)).astype(np.float32)
     start = rng.uniform([-1.0, 0.5, 1.0], [5.0, 3.5, 2.0], (4, 3)).astype(np.float32)
-    scan = rng.integers(0, 4, 300).astype(np.int32)
+    return end, start, rng.integers(0, 4, count).astype(np.int32)
+
+
+def test_many_rays_on_several_threads_meet_what_each_meets_alone() -> None:
+    end, start, scan = _rays(300)
+    grid = _grid(SIDES)
     for meet in (grid.ends, grid.crossings):
         together = meet(end, start, scan)
-        met = [(side, ray) for side in range(len(sides)) for ray in together.ray[together.of(side)].tolist()]
         alone = [meet(end[ray : ray + 1], start, scan[ray : ray + 1]) for ray in range(len(end))]
-        of_each = [
-            (side, ray)
-            for side in range(len(sides))
-            for ray in range(len(end))
-            for _ in alone[ray].ray[alone[ray].of(side)]
-        ]
-        assert met == of_each
-        assert len(met) > 30
+        for side in range(len(SIDES)):
+            meets = [ray for ray in range(len(end)) if len(alone[ray].ray[alone[ray].of(side)])]
+            assert together.ray[together.of(side)].tolist() == meets
+        assert len(together.ray) > 30
+
+
+def test_how_a_ray_meets_a_side_does_not_depend_on_the_other_sides() -> None:
+    rays = _rays(20_000)
+    among = _grid(SIDES).ends(*rays)
+    for number, side in enumerate(SIDES):
+        alone, own = _grid([side]).ends(*rays), among.of(number)
+        assert np.array_equal(among.ray[own], alone.ray)
+        assert np.array_equal(among.place[own], alone.place)
+        assert np.array_equal(among.depth[own], alone.depth)

@@ -203,11 +203,9 @@ def _find_ends(first_ray, past_ray, end, start, ahead, scan, planes, low, shape,
             if height < -inset_m or height >= front_m or (s <= plane[14] and abs(height) > plane[14]):
                 continue
             if height < -plane[14]:
-                t = s / (s - height)
-                x, y, z = _on_the_way(start[scan[ray]], end[ray], t)
+                u, v, inside = _at(plane, *_on_the_way(start[scan[ray]], end[ray], s / (s - height)))
             else:
-                x, y, z = end[ray, 0], end[ray, 1], end[ray, 2]
-            u, v, inside = _at(plane, x, y, z)
+                u, v, inside = _at(plane, x, y, z)
             if inside:
                 if count == len(numbers):
                     numbers, values = _grown(numbers, values)
