@@ -10,6 +10,9 @@ from enfilade.ingest.neighbours import find_neighbours
 from enfilade.ingest.openings import find_openings
 from enfilade.ingest.openings.evidence import Walls
 from enfilade.ingest.openings.holes import Hole
+from enfilade.ingest.openings.leads import group_holes
+from enfilade.ingest.openings.parameters import OpeningParameters
+from enfilade.ingest.openings.rays import rays_of
 from enfilade.ingest.sides import cut_by_room, join_patches
 
 
@@ -236,3 +239,27 @@ def test_a_hole_that_the_other_face_of_the_wall_covers_is_a_mirror():
     assert Walls(walls, surfels, 0.6).covered(hole) > 0.9
     only_front = [side for side in walls if side.room == 0]
     assert Walls(only_front, surfels, 0.6).covered(hole) == 0.0
+
+
+def test_a_hole_in_something_before_the_wall_does_not_move_the_door():
+    """Room 1 has a screen with a hole 0.4 m before its wall."""
+    scene = two_rooms(holes=[DOOR])
+    scene.add(0, 4.6, (0.0, 0.0), (3.0, 2.2), 1, 1, holes=[((0.9, 0.3), (2.2, 2.0))])
+    (door,) = [opening for opening in openings_of(scene)[0] if opening.room_b == 1]
+    np.testing.assert_allclose(door.position, [4.1, 1.45, 1.025], atol=0.04)
+
+
+def test_a_door_of_which_each_side_hides_another_half_is_one():
+    cloud, surfels, planes, labels, rooms = two_rooms(holes=[DOOR]).scan(step_deg=1.5)
+    walls = join_patches(cut_by_room(surfels, planes, labels, 40), surfels, max_angle_deg=8, max_offset_m=0.05)
+    halves = []
+    for room, part in ((0, (1.0, 1.5)), (1, (1.4, 1.9))):
+        side = next(s for s in walls if s.room == room and s.normal[0] * (0.5 - room) < -0.4)
+        left, right = np.sort([side.u @ [side.offset, y, 0.0] for y in part])
+        ray = np.flatnonzero(labels.scan_room[cloud.scan] != labels.after[surfels.point_surfel]).astype(np.int32)
+        outbound = labels.scan_room[cloud.scan[ray]] == room
+        edges, far = np.array([left, 0.0, right, 2.05]), np.ones(len(ray))
+        halves.append(Hole(side, edges, np.ones(4, bool), ray, cloud.positions[ray, 1:], far, outbound, 1.0, 0.4, 0.0))
+    known = {room.number: room for room in rooms}
+    (group,) = group_holes(halves, rays_of(cloud, surfels, labels), known, OpeningParameters())
+    assert len(group.leads) == 2

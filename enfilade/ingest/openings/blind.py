@@ -75,10 +75,11 @@ def find_blind_holes(view: SideView, floor: float, parameters: OpeningParameters
     """
     grid = Grid(view.side, parameters.cell_m)
     gap = parameters.bridge_m / parameters.cell_m
-    wall, hidden = (bridged(grid.marked(grid.cells(places)), gap) for places in (view.wall, view.front))
+    crossed = grid.cells(view.crossing)
+    wall = bridged(grid.mostly(grid.cells(view.wall), crossed), gap)
+    hidden = bridged(grid.marked(grid.cells(view.front)), gap)
     components = ndimage.label(opened(~wall & ~hidden & grid.inner(view.side)))[0]
     size = np.bincount(components.ravel())
-    crossed = grid.cells(view.crossing)
     number = values(components, crossed)
     least_cells = parameters.min_width_m * parameters.min_height_m / parameters.cell_m**2
     for k, box in enumerate(ndimage.find_objects(components), start=1):
@@ -147,13 +148,15 @@ class _Behind:
         corners = [np.array([wall.point(wall.bounds[i], wall.bounds[1])[:2] for i in (0, 2)]) for wall in walls]
         self._tree = STRtree([box(*pair.min(axis=0), *pair.max(axis=0)) for pair in corners])
 
-    def room(self, hole: Hole) -> int | None:
-        """Room of the nearest wall behind a hole; None if there is none."""
+    def rooms(self, hole: Hole) -> list[int]:
+        """Rooms of the walls behind a hole, the nearest first.
+
+        The hole's own room is among them where a part of it goes around, or where it was given the back of a leaf.
+        """
         centre = hole.centre
         near = self._tree.query(Point(centre[:2]).buffer(self._max_gap_m))
         gaps = [(self._gap(self._walls[i], hole, centre), self._walls[i].room) for i in near]
-        possible = [(gap, room) for gap, room in gaps if 0.02 < gap < self._max_gap_m]
-        return min(possible)[1] if possible else None
+        return [room for gap, room in sorted(gaps) if 0.02 < gap < self._max_gap_m]
 
     def room_in_line(self, hole: Hole) -> int | None:
         """Room whose wall would stand behind a hole if it went on, as that of a corridor seen in part does.
@@ -191,14 +194,15 @@ def _opening(
     blind: BlindHole, behind: _Behind, rooms: Mapping[int, Room], sight: Sight, parameters: OpeningParameters
 ) -> Opening | None:
     hole = blind.hole
-    room, other = rooms[hole.side.room], behind.room(blind.hole)
-    if other == room.number or (other is None and _indoors(hole, rooms, parameters.max_gap_m)):
-        return None
+    room, around = rooms[hole.side.room], behind.rooms(hole)
+    other = next((number for number in around if number != room.number), None)
     at_floor = hole.edges[1] - room.floor_elevation < FLOOR_M
     is_door = at_floor and hole.height > parameters.min_closed_height_m and hole.width < parameters.max_closed_width_m
     is_open = is_door and blind.passed > 0.5
     if is_door and other is None:
         other = behind.room_in_line(hole)
+    if other is None and (around or _indoors(hole, rooms, parameters.max_gap_m)):
+        return None
     seen = sight.share(hole)
     if (is_door and not is_open and other is not None and blind.leaf < 0.5) or seen < 0.6:
         return None

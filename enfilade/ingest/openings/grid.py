@@ -32,6 +32,11 @@ class Grid:
         mask.reshape(-1)[cells] = True
         return mask
 
+    def mostly(self, cells: NDArray[np.int64], others: NDArray[np.int64]) -> Bool:
+        """Cells in which at least as many of some places lie as of others, and one at least."""
+        count, other = (np.bincount(which, minlength=int(np.prod(self.shape))) for which in (cells, others))
+        return np.asarray(((count > 0) & (count >= other)).reshape(self.shape))
+
     def centres(self, cells: Bool, corner: tuple[int, int] = (0, 0)) -> F64:
         """``(n, 2)`` middles of the marked cells of a part of the grid that begins at a corner."""
         return np.asarray((np.argwhere(cells) + corner + 0.5) * self._cell_m + self._corner, dtype=np.float64)

@@ -22,6 +22,9 @@ APART_M = 0.2
 CLOSE_M = 1.2
 """... unless some of its points are this close behind."""
 
+LEAST_COMMON_M = 0.05
+"""Holes in the two faces of a wall that overlap by this much are one."""
+
 NEAR_M = 1.0
 """A ray that ends this far behind a hole counts 1/e in the vote for the room there."""
 
@@ -171,7 +174,7 @@ def _begins_behind(hole: Hole, to_it: Bool, plan: Polygon | None, parameters: Op
 
 def _facing(leads: list[Lead], max_gap_m: float) -> list[list[Lead]]:
     """Group the holes of one pair of rooms that lie in front of one another within the thickness of a wall."""
-    first, second = np.nonzero([[_overlap(a.hole, b.hole, max_gap_m) for b in leads] for a in leads])
+    first, second = np.nonzero([[_meet(a.hole, b.hole, max_gap_m) for b in leads] for a in leads])
     count = len(leads)
     graph = coo_array((np.ones(len(first)), (first, second)), shape=(count, count))
     parts, number = connected_components(graph, directed=False)
@@ -183,6 +186,20 @@ def _overlap(a: Hole, b: Hole, max_gap_m: float) -> bool:
     if abs(a.side.normal @ b.side.normal) < 0.9 or abs((a.centre - b.centre) @ a.side.normal) > max_gap_m + 0.1:
         return False
     return all(_share(interval(a, along), interval(b, along)) > 1 / 3 for along in (a.side.u, a.side.v))
+
+
+def _meet(a: Hole, b: Hole, max_gap_m: float) -> bool:
+    """Whether two holes overlap, or are in the two faces of a wall and overlap a little: each side may hide a part."""
+    if _overlap(a, b, max_gap_m):
+        return True
+    if a.side.normal @ b.side.normal > -0.9 or abs((a.centre - b.centre) @ a.side.normal) > max_gap_m:
+        return False
+    return _common_m(a, b, a.side.u) > LEAST_COMMON_M and _common_m(a, b, a.side.v) > LEAST_COMMON_M
+
+
+def _common_m(a: Hole, b: Hole, along: F64) -> float:
+    (low_a, high_a), (low_b, high_b) = interval(a, along), interval(b, along)
+    return min(high_a, high_b) - max(low_a, low_b)
 
 
 def _share(a: tuple[float, float], b: tuple[float, float]) -> float:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import product
 from typing import Final
 
 import numpy as np
 
 from enfilade.ingest.openings.confidence import probability
-from enfilade.ingest.openings.evidence import Walls, evidence_of_group
-from enfilade.ingest.openings.leads import Group, interval, through
+from enfilade.ingest.openings.evidence import FACING, Walls, evidence_of_group
 from enfilade.ingest.openings.holes import Hole
+from enfilade.ingest.openings.leads import Group, Lead, interval, through
 from enfilade.ingest.openings.parameters import OpeningParameters
 from enfilade.ingest.openings.rays import Rays
 from enfilade.ingest.records import F64, Bool, Neighbour, Opening, Room
@@ -72,7 +73,7 @@ def open_walls(
     gaps = {(n.room_a, n.room_b): n.gap for n in neighbours}
     found = (
         _opening(group, rays, rooms, gaps.get(group.pair, 0.0), parameters)
-        for group in groups
+        for group in (of_one_wall(group, parameters.max_gap_m) for group in groups)
         if walls.covered(group.main) < parameters.least_pane
     )
     return [opening for opening in found if opening is not None]
@@ -114,16 +115,39 @@ def _opening(
     )
 
 
+def of_one_wall(group: Group, max_gap_m: float) -> Group:
+    """Leave only the holes of a group that are in the two faces of one wall, the best framed one first.
+
+    What stands in front of a wall, such as the leaf of another door, may have a hole before its hole.
+    """
+    leads = sorted(group.leads, key=lambda lead: (-_frame(lead), -len(lead.hole.ray)))
+    first, second = ([lead for lead in leads if lead.hole.side.room == room] for room in group.pair)
+    faces = [pair for pair in product(first, second) if LEAST_WALL_M < _thickness(*pair) < max_gap_m]
+    if not faces:
+        return Group(group.pair, tuple(leads[:1]))
+    best = max(faces, key=lambda pair: (_frame(pair[0]) + _frame(pair[1]), min(len(lead.hole.ray) for lead in pair)))
+    return Group(group.pair, tuple(sorted(best, key=leads.index)))
+
+
+def _frame(lead: Lead) -> int:
+    return int(lead.hole.bounded.sum())
+
+
+def _thickness(a: Lead, b: Lead) -> float:
+    """Thickness of the wall whose two faces have these holes; negative if they look the same way or at each other."""
+    if a.hole.side.normal @ b.hole.side.normal > FACING:
+        return -1.0
+    return float(a.hole.side.normal @ (a.hole.centre - b.hole.centre))
+
+
 def _measure(group: Group, rays: Rays, gap: float, floor: float) -> _Doorway:
-    side = group.main.side
     edges, bounded = _merge_edges(group)
-    depths = [float(side.offset - lead.hole.centre @ side.normal) for lead in group.leads]
-    apart = max(depths) - min(depths)
-    depth = (max(depths) + min(depths)) / 2 if apart > LEAST_WALL_M else gap / 2
-    edges = _within_frame(edges, group, rays, max(apart, gap))
+    of_surface = len(group.main.side.surfels) > 0
+    thickness = _thickness(*group.leads) if len(group.leads) == 2 else gap if of_surface else 0.0
+    edges = _within_frame(edges, group, rays, thickness)
     if edges[1] - floor < SNAP_M:
         edges[1], bounded[1] = floor, True
-    return _Doorway(edges, bounded, depth, floor)
+    return _Doorway(edges, bounded, thickness / 2, floor)
 
 
 def _merge_edges(group: Group) -> tuple[F64, Bool]:
