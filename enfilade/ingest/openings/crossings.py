@@ -119,14 +119,21 @@ class SideGrid:
         return np.asarray(start @ self._planes[:, :3].T - self._planes[:, 3], np.float32)
 
 
-def _ordered(found: Sequence[tuple[I32, F32]], count: int) -> Meetings:
-    """Order by side what slices of rays met, themselves in order of rays."""
-    numbers = np.concatenate([np.empty((0, 3), np.int32), *(numbers for numbers, _ in found)])
-    values = np.concatenate([np.empty((0, 3), np.float32), *(values for _, values in found)])
-    side = numbers[:, 1].astype(np.uint16) if numbers[:, 1].max(initial=0) < 1 << 16 else numbers[:, 1]
-    order = np.argsort(side, kind="stable")  # linear in short integers
-    first = np.searchsorted(side[order], np.arange(count + 1, dtype=side.dtype))
-    return Meetings(numbers[order, 0], first, values[order, :2], values[order, 2], numbers[order, 2] == 0)
+def _ordered(found: list[tuple[I32, F32]], count: int) -> Meetings:
+    """Order by side what slices of rays met, themselves in order of rays; each slice is let go when it is done."""
+    first = np.zeros(count + 1, np.int64)
+    for numbers, _ in found:
+        first[1:] += np.bincount(numbers[:, 1] >> 1, minlength=count)
+    first = np.cumsum(first)
+    many = int(first[-1])
+    meetings = Meetings(
+        np.empty(many, np.int32), first, np.empty((many, 2), np.float32), np.empty(many, np.float32), np.empty(many, bool)
+    )
+    free = first[:-1].copy()
+    found.reverse()
+    while found:
+        _put(*found.pop(), free, meetings.ray, meetings.place, meetings.depth, meetings.outbound)
+    return meetings
 
 
 def _pieces(side: Side) -> F64:
@@ -157,9 +164,20 @@ def _unpacked(cells: _Cells) -> tuple[F64, I64, I64, I32]:
 
 
 @njit(cache=True, nogil=True)
+def _put(numbers, values, free, ray, place, depth, outbound):  # type: ignore[no-untyped-def]
+    """Put what rays met behind what is known of the same side, at its `free` place."""
+    for i in range(len(numbers)):
+        side = numbers[i, 1] >> 1
+        at = free[side]
+        free[side] += 1
+        ray[at], outbound[at] = numbers[i, 0], numbers[i, 1] & 1 == 0
+        place[at, 0], place[at, 1], depth[at] = values[i, 0], values[i, 1], values[i, 2]
+
+
+@njit(cache=True, nogil=True)
 def _grown(numbers, values):  # type: ignore[no-untyped-def]
-    """Twice the room for what is found."""
-    more, also = np.empty((2 * len(numbers), 3), np.int32), np.empty((2 * len(values), 3), np.float32)
+    """Twice the room for what is found: each ray, twice its side and 1 if it is inbound; two coordinates and a depth."""
+    more, also = np.empty((2 * len(numbers), 2), np.int32), np.empty((2 * len(values), 3), np.float32)
     more[: len(numbers)], also[: len(values)] = numbers, values
     return more, also
 
@@ -185,7 +203,7 @@ def _on_the_way(here, there, t):  # type: ignore[no-untyped-def]
 @njit(cache=True, nogil=True)
 def _find_ends(first_ray, past_ray, end, start, ahead, scan, planes, low, shape, first, members, front_m, inset_m):  # type: ignore[no-untyped-def]
     """Test each point with the sides near it; of one behind a side the place is where its ray goes through."""
-    numbers, values, count = np.empty((1024, 3), np.int32), np.empty((1024, 3), np.float32), 0
+    numbers, values, count = np.empty((1024, 2), np.int32), np.empty((1024, 3), np.float32), 0
     for ray in range(first_ray, past_ray):
         x, y, z = end[ray, 0], end[ray, 1], end[ray, 2]
         i, j, k = (
@@ -209,7 +227,7 @@ def _find_ends(first_ray, past_ray, end, start, ahead, scan, planes, low, shape,
             if inside:
                 if count == len(numbers):
                     numbers, values = _grown(numbers, values)
-                numbers[count, 0], numbers[count, 1], numbers[count, 2] = ray, side, 0
+                numbers[count, 0], numbers[count, 1] = ray, 2 * side
                 values[count, 0], values[count, 1], values[count, 2] = u, v, -height
                 count += 1
     return numbers[:count], values[:count]
@@ -218,7 +236,7 @@ def _find_ends(first_ray, past_ray, end, start, ahead, scan, planes, low, shape,
 @njit(cache=True, nogil=True)
 def _find_crossings(first_ray, past_ray, end, start, ahead, scan, planes, low, shape, first, members):  # type: ignore[no-untyped-def]
     """Walk every ray cell by cell (Amanatides and Woo 1987) and test the sides of each cell once."""
-    numbers, values, count = np.empty((1024, 3), np.int32), np.empty((1024, 3), np.float32), 0
+    numbers, values, count = np.empty((1024, 2), np.int32), np.empty((1024, 3), np.float32), 0
     tested = np.full(len(planes), -1, np.int64)
     at, step, edge, stride = np.empty(3, np.int64), np.empty(3, np.int64), np.empty(3), np.empty(3)
     for ray in range(first_ray, past_ray):
@@ -240,7 +258,7 @@ def _find_crossings(first_ray, past_ray, end, start, ahead, scan, planes, low, s
                     if inside:
                         if count == len(numbers):
                             numbers, values = _grown(numbers, values)
-                        numbers[count, 0], numbers[count, 1], numbers[count, 2] = ray, side, 1 if s < 0.0 else 0
+                        numbers[count, 0], numbers[count, 1] = ray, 2 * side + (s < 0.0)
                         values[count, 0], values[count, 1], values[count, 2] = u, v, -s if s < 0.0 else -e
                         count += 1
             if left == 0:
