@@ -51,7 +51,7 @@ class GroupParameters:
 
     below_ceiling_m: float = 0.15
     headroom_m: float = 1.1
-    least_open: float = 0.55
+    least_open: float = 0.6
     doubtful_open: float = 0.48
     least_roofed: float = 0.3
     storey_gap_m: float = 1.2

@@ -39,9 +39,11 @@ class SightParameters:
     least_walled
         Share of them with one wall between, from which on that says something.
     wall_m
-        What is opaque for less than this along a line is one wall.
+        What is opaque for less than this, straight across what a line meets first, is one wall.
     piece_m
         Width of the pieces of wall that are each found open or closed.
+    least_wall_m
+        So much wall at least must lie between what two scans overlook to be asked alone.
     """
 
     reach_m: float = 20.0
@@ -53,6 +55,7 @@ class SightParameters:
     least_walled: float = 0.1
     wall_m: float = 0.6
     piece_m: float = 0.1
+    least_wall_m: float = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +77,7 @@ class Views:
 
 @dataclass(frozen=True, slots=True)
 class _Lines:
-    """Lines between places of two scans, ``(n, ...)``: ends, what stops them, and how thick it is (0: nothing)."""
+    """Lines between places of two scans, ``(n, ...)``: ends, what stops them, how thick it is straight across (0: nothing)."""
 
     starts: F32
     ends: F32
@@ -99,7 +102,7 @@ def compare_views(
     pairs = pairs[np.lexsort(pairs.T[::-1])]
     places = _free_places(structure, viewpoints, parameters)
     own = _own_places(structure, viewpoints, places) & _roofed(structure, places)
-    openness = np.array([_openness(structure, planes, places, own, a, b, parameters) for a, b in pairs])
+    openness = np.array([_openness(structure, planes, viewpoints, places, own, a, b, parameters) for a, b in pairs])
     return Views(pairs, openness.reshape(-1))
 
 
@@ -122,16 +125,21 @@ def _free_places(structure: Structure, lifted: F32, parameters: SightParameters)
 def _own_places(structure: Structure, lifted: F32, places: F32) -> Bool:
     """``(S, K)``: places of which no other scanner that overlooks them is nearer than their own."""
     count, around = places.shape[:2]
-    flat = places.reshape(-1, 3)
-    scan = np.repeat(np.arange(count), around)
-    rivals = np.atleast_2d(cKDTree(lifted).query(flat, k=min(_RIVALS, count))[1].reshape(len(flat), -1))
-    distance = _distance(flat[:, None], lifted[rivals])
-    nearer = distance < _distance(flat, lifted[scan])[:, None]
-    place, rank = np.nonzero(nearer)
-    overlooked = ~structure.blocked(lifted[rivals[place, rank]], flat[place])
-    own = np.ones(len(flat), bool)
-    own[place[overlooked]] = False
+    own = _owned(structure, lifted, places.reshape(-1, 3), np.repeat(np.arange(count), around))
     return own.reshape(count, around)
+
+
+def _owned(structure: Structure, lifted: F32, places: F32, owner: I64) -> Bool:
+    """``(n,)``: places that no scanner nearer than their owner overlooks."""
+    count = min(_RIVALS, len(lifted))
+    rivals = np.atleast_2d(cKDTree(lifted).query(places, k=count)[1].reshape(len(places), -1))
+    distance = _distance(places[:, None], lifted[rivals])
+    nearer = distance < _distance(places, lifted[owner])[:, None]
+    place, rank = np.nonzero(nearer)
+    overlooked = ~structure.blocked(lifted[rivals[place, rank]], places[place])
+    own = np.ones(len(places), bool)
+    own[place[overlooked]] = False
+    return own
 
 
 def _roofed(structure: Structure, places: F32) -> Bool:
@@ -143,10 +151,17 @@ def _roofed(structure: Structure, places: F32) -> Bool:
 
 
 def _openness(
-    structure: Structure, planes: Planes, places: F32, own: Bool, a: int, b: int, parameters: SightParameters
+    structure: Structure,
+    planes: Planes,
+    viewpoints: F32,
+    places: F32,
+    own: Bool,
+    a: int,
+    b: int,
+    parameters: SightParameters,
 ) -> float:
     """Share of the boundary between two scans' places that is open, NaN where there is too little to tell."""
-    lines = _lines(structure, places[a], places[b], own[a], own[b], parameters)
+    lines = _lines(structure, planes, places[a], places[b], own[a], own[b], parameters)
     seen = lines.thickness == 0.0
     walled = ~seen & (lines.thickness < parameters.wall_m) & planes.vertical[lines.plane]
     if seen.sum() < parameters.least_sight * max(len(seen), 1):
@@ -155,9 +170,11 @@ def _openness(
         return 1.0
     wall = int(np.argmax(np.bincount(lines.plane[walled])))
     normal, offset = planes.normals[wall], float(planes.offsets[wall])
+    if np.mean(lines.starts[walled & (lines.plane == wall)] @ normal > offset) < 0.5:
+        normal, offset = -normal, -offset
     past = _crossing(lines, normal, offset)[seen | walled].mean()
     here, there = places[a][places[a] @ normal > offset], places[b][places[b] @ normal < offset]
-    return 1.0 - float(past) * (1.0 - _open_share(structure, here, there, normal, offset, parameters))
+    return 1.0 - float(past) * (1.0 - _open_share(structure, viewpoints, (a, b), here, there, normal, offset, parameters))
 
 
 def _crossing(lines: _Lines, normal: F32, offset: float) -> Bool:
@@ -166,9 +183,16 @@ def _crossing(lines: _Lines, normal: F32, offset: float) -> Bool:
 
 
 def _open_share(
-    structure: Structure, here: F32, there: F32, normal: F32, offset: float, parameters: SightParameters
+    structure: Structure,
+    viewpoints: F32,
+    pair: tuple[int, int],
+    here: F32,
+    there: F32,
+    normal: F32,
+    offset: float,
+    parameters: SightParameters,
 ) -> float:
-    """Share of a wall's line that is open, as far along as one scan overlooks its front and the other its back."""
+    """Share of a wall's line that is open, as far along as one viewpoint looks at its front and the other at its back."""
     if not (len(here) and len(there)):
         return 1.0
     along = np.array([-normal[1], normal[0], 0.0], np.float32)
@@ -178,11 +202,29 @@ def _open_share(
     on_wall = (pieces[:, None] * along + offset * normal).astype(np.float32)
     on_wall[:, 2] = (here[:, 2].mean() + there[:, 2].mean()) / 2.0
     across = parameters.wall_m * np.array([normal[0], normal[1], 0.0], np.float32)
-    return float(1.0 - structure.blocked(on_wall + across / 2.0, on_wall - across).mean())
+    front, back = on_wall + across / 2.0, on_wall - across
+    between = _overlooked(structure, viewpoints, front, pair) & _overlooked(structure, viewpoints, back, pair[::-1])
+    if between.sum() * parameters.piece_m < parameters.least_wall_m:
+        between[:] = True
+    return float(1.0 - structure.blocked(front[between], back[between]).mean())
+
+
+def _overlooked(structure: Structure, viewpoints: F32, places: F32, pair: tuple[int, int]) -> Bool:
+    """``(n,)``: places that the first of a pair overlooks, and no third viewpoint from nearer than either."""
+    first, second = viewpoints[pair[0]], viewpoints[pair[1]]
+    nearer = np.where(_distance(places, first) < _distance(places, second), *pair)
+    seen = ~structure.blocked(places, np.broadcast_to(first, places.shape))
+    return seen & _owned(structure, viewpoints, places, nearer)
 
 
 def _lines(
-    structure: Structure, here: F32, there: F32, own_here: Bool, own_there: Bool, parameters: SightParameters
+    structure: Structure,
+    planes: Planes,
+    here: F32,
+    there: F32,
+    own_here: Bool,
+    own_there: Bool,
+    parameters: SightParameters,
 ) -> _Lines:
     count = np.arange(parameters.place_pairs)
     a = count % len(here)
@@ -193,7 +235,8 @@ def _lines(
     towards = (ends - starts) / np.maximum(length, 1e-6)[:, None]
     forth, back = structure.cast(starts, towards), structure.cast(ends, -towards)
     blocked = forth.distance < length
-    through = length - forth.distance - np.minimum(back.distance, length)
+    slant = np.abs(np.einsum("ij,ij->i", towards, planes.normals[forth.plane]))
+    through = (length - forth.distance - np.minimum(back.distance, length)) * slant
     return _Lines(starts, ends, forth.plane, np.where(blocked, np.maximum(through, 1e-3), 0.0).astype(np.float32))
 
 

@@ -10,6 +10,7 @@ from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from . import scene as scenes
+from .joining import joined
 from .plan import Hole, Level, Mirror, Piece, Plan, Space, Stairs
 from .roofs import Roof
 from .shells import Cut, above, level, shell, sides
@@ -22,14 +23,14 @@ _MIRROR_M = 0.01
 
 
 def build(plan: Plan) -> scenes.Scene:
-    """Make the scene of a plan.
+    """Make the scene of a plan; spaces that no wall and no lintel parts are one room in it.
 
     Raises
     ------
     InputError
         If a hole does not lead from the one of its rooms to the other.
     """
-    return _Builder(plan).scene()
+    return _Builder(joined(plan)).scene()
 
 
 class _Builder:

@@ -25,6 +25,8 @@ _KEPT_CLEAR_M = 0.95
 _GOING_M = 0.28
 _NARROW_M = 0.76
 _PARAPET_M = 0.9
+_PARTING, _JOINING = 0.4, 0.62
+"""A passage up to the ceiling takes at most, or at least, this share of the wall, so that it is clear what it does."""
 _EVERYWHERE = shapely.box(-200.0, -200.0, 300.0, 300.0)
 
 
@@ -185,9 +187,15 @@ class Storey:
         level = self.drafts[a].roof == self.drafts[b].roof and not self.drafts[a].roof.slopes
         lintel = not level or self.random.random() < 0.5
         headroom = self._headroom(a, b)
-        walls = [w for w in self.walls(a, b) if w.length > 2.2]
-        for wall in walls:
-            width = round(float(self.random.uniform(1.5, min(3.2, wall.length - 0.6))), 2)
+        walls = self.walls(a, b)
+        length = sum(wall.length for wall in walls)
+        for wall in (w for w in walls if w.length > 2.2):
+            span = (1.5, min(3.2, wall.length - 0.6))
+            width = round(float(self.random.uniform(*span)), 2)
+            if not lintel:
+                width = _clear_cut(
+                    width, length, may_join=width > sum(span) / 2 and wall.length - 0.6 > _JOINING * length
+                )
             height = round(headroom - 0.3, 2) if lintel else headroom
             spot = self._spot(a, b, wall, width, height)
             if spot is not None:
@@ -331,3 +339,8 @@ class Storey:
                 height = round(spot.height - _PARAPET_M, 2)
                 self.holes.append(Hole("window", ends, spot.place, width, height, sill=_PARAPET_M, glazed=False))
                 return
+
+
+def _clear_cut(width: float, length: float, *, may_join: bool) -> float:
+    """Return a width near `width` at which a passage clearly joins, or parts, two rooms with a wall of `length`."""
+    return round(max(width, _JOINING * length) if may_join else min(width, _PARTING * length), 2)

@@ -89,6 +89,12 @@ def generate(seed: int, *, faults: str | None = None) -> Generated:
     return Generated(scene.name, half_of(seed), description, scene, Parameters(scanner, _setup(recipe)))
 
 
+def generated_plan(seed: int) -> Plan:
+    """Return the plan that the building of a seed is built after."""
+    recipe = recipe_of(seed)
+    return _plan(seed, recipe, recipe.faults)[0]
+
+
 def _plan(seed: int, recipe: Recipe, faults: str) -> tuple[Plan, Generator]:
     """Make plans until one comes out whose stairs can be reached on all storeys."""
     for attempt in count(4):

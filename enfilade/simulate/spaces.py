@@ -28,7 +28,8 @@ _ROOF_WITHIN_M = 15.0
 _WALL_AT_MOST_M = 0.6
 _ROW_STEP_M = 0.15
 _HEIGHT_AT_LEAST_M = 1.0
-_CLEAR_SHARE = 0.5
+WALL_LESS_SHARE = 0.5
+"""Two spaces are one room where more than this of the wall between them is open up to the ceiling."""
 _WHOLE = 0.9
 _SIDE_AT_LEAST_M = 0.8
 _STRAIGHT = 0.9
@@ -81,7 +82,7 @@ class Border:
             len(side) * COLUMN_STEP_M >= _SIDE_AT_LEAST_M and self.open_top[side].mean() > _WHOLE
             for side in self.sides()
         )
-        return whole_side or bool(self.open_top.mean() > _CLEAR_SHARE)
+        return whole_side or bool(self.open_top.mean() > WALL_LESS_SHARE)
 
     def sides(self) -> list[NDArray[np.intp]]:
         """Columns of each straight stretch."""

@@ -60,12 +60,23 @@ def test_two_scans_of_a_room_are_one_room() -> None:
     assert building.groups.scan_room.tolist() == [0, 0]
 
 
-def test_a_passage_up_to_the_ceiling_in_a_wall_parts_rooms_as_a_door_does() -> None:
-    assert build(scans(Door(4.075, (1.0, 2.0), 2.6))).groups.scan_room.tolist() == [0, 1]
+@pytest.mark.parametrize(
+    ("start", "end", "rooms"),
+    [(0.3, 2.95, 1), (0.1, 2.1, 1), (0.5, 2.5, 1), (1.0, 2.0, 2), (0.15, 1.4, 2), (1.6, 2.8, 2)],
+)
+def test_a_passage_up_to_the_ceiling_over_most_of_the_wall_leaves_one_room(
+    start: float, end: float, rooms: int
+) -> None:
+    """Of 3 m of wall; the scanners stand off the middle."""
+    assert len(set(build(scans(Door(4.075, (start, end), 2.6))).groups.scan_room.tolist())) == rooms
 
 
-def test_where_most_of_the_wall_is_open_there_is_one_room() -> None:
-    assert build(scans(Door(4.075, (0.3, 2.95), 2.6))).groups.scan_room.tolist() == [0, 0]
+def test_a_room_far_along_a_corridor_is_not_joined_to_it_by_what_is_seen_at_a_slant() -> None:
+    corridor = Box((0.0, 0.0, 0.0), (1.6, 16.0, 2.5), (0.6, 2.0, 1.5), "corridor")
+    room = Box((1.75, 11.0, 0.0), (5.5, 15.0, 2.5), (3.6, 13.6, 1.5), "room")
+    hole = Door(1.675, (11.4, 12.7), 2.6)
+    parts = [scan(box, [corridor, room], hole, spacing=0.03) for box in (corridor, room)]
+    assert build(parts).groups.scan_room.tolist() == [0, 1]
 
 
 def test_numbers_do_not_depend_on_the_order_of_scans() -> None:
