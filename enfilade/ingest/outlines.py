@@ -9,9 +9,12 @@ import shapely
 from numba import njit
 from numpy.typing import NDArray
 from scipy import ndimage
+from shapely import Polygon
+
+from enfilade.faces import WallFaces, true_polygon
 
 from .cells import extent, tile_rectangles
-from .records import F32, F64, Bool
+from .records import F32, F64, I32, Bool
 
 I64 = NDArray[np.int64]
 UInt8 = NDArray[np.uint8]
@@ -34,13 +37,21 @@ class OutlineParameters:
     hole_m2
         Holes in what is covered are filled up to this area: what stands in the shadow of furniture.
     tolerance_m
-        How far the simplified outline may stray.
+        How far the simplified outline may stray, where it follows no wall.
+    reach_m, least_face_m
+        Widest gap in a wall, or between a wall and one across it, through which a room may be seen to go on, and
+        the shortest wall that is looked at.
+    least_enclosed
+        Behind such a gap the room goes on if walls are around so much of what was seen there.
     """
 
     cell_m: float = 0.05
     gap_m: float = 0.30
     hole_m2: float = 1.0
     tolerance_m: float = 0.06
+    reach_m: float = 6.0
+    least_face_m: float = 0.5
+    least_enclosed: float = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,13 +64,21 @@ class Outline:
 
 
 def draw_outline(
-    level: F32, walls: F32, scanners: F32, sights: F32, parameters: OutlineParameters = OutlineParameters()
+    level: F32,
+    walls: F32,
+    scanners: F32,
+    sights: F32,
+    parameters: OutlineParameters = OutlineParameters(),
+    *,
+    faces: WallFaces | None = None,
 ) -> Outline:
     """Draw the outline of a room.
 
     Cells count that hold a horizontal surfel, as in §4, or that a ray to the room's own surfels crosses, for far
     floors are hit sparsely. Rays and cells end at the walls, of which only the strip under the ceiling is looked at:
-    there, lintels close the doors and windows. A wall's face runs through its cells, so half of these count.
+    there, lintels close the doors and windows. Where a window or a passage reaches up to the ceiling, what lies
+    behind the face of the wall counts only if walls enclose it, as they do a niche. Along faces the outline is as
+    exact as they are. Without, a wall runs through its cells, so half of these count.
 
     Parameters
     ----------
@@ -69,6 +88,8 @@ def draw_outline(
         ``(w, 2)`` surfels of its walls under the ceiling.
     scanners, sights
         ``(r, 2)`` scanners and the room's surfels that they measured, pair by pair.
+    faces
+        Straight faces of its walls.
     """
     cell_m = parameters.cell_m
     margin = int(np.ceil(parameters.gap_m / cell_m)) + 2
@@ -78,11 +99,19 @@ def draw_outline(
     wall = _closed(_drawn(walls, low, shape, cell_m), 1)
     cells = np.where(wall, _WALL, np.where(_drawn(level, low, shape, cell_m), _COVERED, _FREE)).astype(np.uint8)
     _sweep(cells, scanners, sights, low, cell_m)
-    inside = _inside(cells, _in_cells(scanners, low, cell_m).astype(np.int64), parameters)
+    stood = _in_cells(scanners, low, cell_m).astype(np.int64)
+    inside = _inside(cells, stood, parameters)
+    if faces is not None and len(faces.centre):
+        inside = _up_to_faces(inside, wall, _bridges(wall, faces, low, parameters), stood, parameters)
     edge = wall & ndimage.binary_dilation(inside, _CROSS, iterations=2)
+    polygon = _polygon(_closed(inside | edge, 1), low, parameters)
+    if faces is not None and len(faces.centre):
+        polygon = true_polygon(polygon, faces)
+        centre = np.array(polygon.centroid.coords[0])
+        return Outline(float(polygon.area), centre, _rings(polygon))
     weight = inside + 0.5 * edge
     centre = (np.array(ndimage.center_of_mass(weight)) + low + 0.5) * cell_m
-    return Outline(float(weight.sum()) * cell_m**2, centre, _rings(inside | edge, low, parameters))
+    return Outline(float(weight.sum()) * cell_m**2, centre, _rings(polygon))
 
 
 def _drawn(positions: F32, low: I64, shape: I64, cell_m: float) -> Bool:
@@ -144,13 +173,89 @@ def _holes_filled(inside: Bool, wall: Bool, most_cells: float) -> Bool:
     return np.asarray(inside | small[holes])
 
 
-def _rings(grid: Bool, low: I64, parameters: OutlineParameters) -> tuple[F64, ...]:
-    """Rings around the largest piece of the grid, drawn in by half a cell, simplified."""
+def _bridges(wall: Bool, faces: WallFaces, low: I64, parameters: OutlineParameters) -> Bool:
+    """Cells along the lines of faces where these are open: between their parts, and on to the next wall across."""
+    bridges = np.zeros(wall.shape, bool)
+    near = ndimage.binary_dilation(wall, _CROSS)
+    long = faces.span[:, 1] - faces.span[:, 0] >= parameters.least_face_m
+    centre = faces.centre[long] / parameters.cell_m - low
+    span, reach = faces.span[long] / parameters.cell_m, parameters.reach_m / parameters.cell_m
+    _draw_bridges(bridges, near, centre, faces.along[long], span, reach, parameters.gap_m / parameters.cell_m)
+    return np.asarray(bridges & ~wall)
+
+
+@njit(cache=True)
+def _draw_bridges(bridges: Bool, near: Bool, centre: F64, along: F64, span: F64, reach: float, slack: float) -> None:
+    """Mark the gaps along each line, no wider than `reach`, within its span and on from wall to wall; all in cells."""
+    for face in range(len(centre)):
+        for way in (1.0, -1.0):
+            first, last = (span[face, 0], span[face, 1]) if way > 0 else (-span[face, 1], -span[face, 0])
+            step = way * along[face]
+            place, opened = first - slack, -np.inf
+            while place <= last + reach:
+                i, j = int(np.floor(centre[face, 0] + place * step[0])), int(np.floor(centre[face, 1] + place * step[1]))
+                if i < 0 or j < 0 or i >= near.shape[0] or j >= near.shape[1]:
+                    if place > last:
+                        break
+                elif near[i, j]:
+                    if 0.5 < place - opened <= reach and opened <= last + slack:
+                        _draw_line(bridges, centre[face], step, opened, place)
+                        last = max(last, place)
+                    opened = place
+                place += 0.5
+
+
+@njit(cache=True)
+def _draw_line(grid: Bool, centre: F64, along: F64, first: float, last: float) -> None:
+    place = first
+    while place <= last:
+        grid[int(np.floor(centre[0] + place * along[0])), int(np.floor(centre[1] + place * along[1]))] = True
+        place += 0.5
+
+
+def _up_to_faces(inside: Bool, wall: Bool, bridges: Bool, scanners: I64, parameters: OutlineParameters) -> Bool:
+    """Leave out what lies behind bridges where no scanner stands, unless walls enclose it."""
+    pieces, count = ndimage.label(inside & ~bridges)
+    if count < 2:
+        return inside
+    around, walled = _around(np.asarray(pieces, np.int32), bridges, ndimage.binary_dilation(wall, _SQUARE), count)
+    kept = walled >= parameters.least_enclosed * around
+    kept[np.argmax(np.bincount(pieces.ravel(), minlength=count + 1)[1:]) + 1] = True
+    on_grid = ((scanners >= 0) & (scanners < inside.shape)).all(axis=1)
+    kept[pieces[tuple(scanners[on_grid].T)]] = True
+    kept[0] = False
+    left = kept[pieces]
+    return np.asarray(left | (inside & bridges & ndimage.binary_dilation(left, _SQUARE)))
+
+
+@njit(cache=True)
+def _around(pieces: I32, bridges: Bool, walled: Bool, count: int) -> tuple[I64, I64]:
+    """Sides of cells at the rim of each piece where no bridge ends it, and how many of them are at walls."""
+    rim, at_wall = np.zeros(count + 1, np.int64), np.zeros(count + 1, np.int64)
+    for i in range(1, pieces.shape[0] - 1):
+        for j in range(1, pieces.shape[1] - 1):
+            piece = pieces[i, j]
+            if piece == 0:
+                continue
+            for di, dj in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+                k, m = i + di, j + dj
+                if pieces[k, m] != piece and not bridges[k, m]:
+                    rim[piece] += 1
+                    at_wall[piece] += walled[k, m]
+    return rim, at_wall
+
+
+def _polygon(grid: Bool, low: I64, parameters: OutlineParameters) -> Polygon:
+    """Polygon around the largest piece of the grid, drawn in by half a cell, simplified."""
     cell_m = parameters.cell_m
     tiles = tile_rectangles(grid) + low[[0, 0, 1, 1]]
     runs = shapely.box(*(cell_m * tiles[:, [0, 2, 1, 3]].T))
     union = shapely.union_all(runs, grid_size=cell_m / 100.0)
     drawn_in = union.buffer(-cell_m / 2.0, join_style="mitre")
-    polygon = max(shapely.get_parts(union if drawn_in.is_empty else drawn_in), key=lambda part: float(part.area))
-    polygon = polygon.simplify(parameters.tolerance_m)
+    parts = shapely.get_parts(union if drawn_in.is_empty else drawn_in)
+    largest = max(parts, key=lambda part: float(part.area)).simplify(parameters.tolerance_m)
+    return Polygon(largest.exterior, largest.interiors)
+
+
+def _rings(polygon: Polygon) -> tuple[F64, ...]:
     return tuple(np.asarray(ring.coords, np.float64) for ring in (polygon.exterior, *polygon.interiors))

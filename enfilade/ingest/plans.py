@@ -8,13 +8,26 @@ from typing import Final
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
+from enfilade.faces import WallFaces
+
+from .cells import CellGrid, Gathered
 from .outlines import Outline, OutlineParameters, draw_outline
 from .records import F32, I32, Bool, Plan, Planes, RoomLabels, Surfels, ThinnedCloud
-from .structure import Structure
+from .structure import OCCUPIED, Structure
 
 I64 = NDArray[np.int64]
 _ABOVE_FLOOR_M: Final = 0.05
+_COLUMN_M: Final = 0.25
+_ROOF_M: Final = 0.6
+"""So far above a sloped ceiling, its thickness included, there is nothing; over a flight of stairs there is."""
+_LEAST_SLOPE_M2: Final = 2.0
+"""Sashes of open windows and backs of chairs are smaller than slopes of a roof."""
+_BESIDE_M: Final = 0.3
+_LEAST_FACE: Final = 8
+"""Surfels under the ceiling that make a plane a wall along which an outline is drawn."""
+_IN_PLAN: Final = np.array([1.0, 1.0, 0.0], np.float32)
 _ONE_LEVEL_M: Final = 0.1
 
 
@@ -51,7 +64,7 @@ class _Parts:
     """The surfels of one room, ``(n, ...)``.
 
     Where they are, on which plane, from where they were seen, whether by a scan of the room, whether level with a
-    roof above.
+    roof above, whether of a sloped ceiling.
     """
 
     positions: F32
@@ -59,6 +72,7 @@ class _Parts:
     scanners: F32
     seen_here: Bool
     roofed: Bool
+    slope: Bool
 
 
 def draw_plans(
@@ -78,6 +92,7 @@ def draw_plans(
     order = np.argsort(labels.after, kind="stable")
     ends = np.cumsum(np.bincount(labels.after + 1, minlength=labels.room_count + 1))
     roofed = _roofed(surfels, planes) if by_floors else np.zeros(len(surfels.positions), bool)
+    slope = _slopes(surfels, planes)
     plans = []
     for number in range(labels.room_count):
         members = order[ends[number] : ends[number + 1]]
@@ -88,6 +103,7 @@ def draw_plans(
             cloud.scanner_positions[scan],
             labels.scan_room[scan] == number,
             roofed[members],
+            slope[members],
         )
         plans.append(_plan(parts, planes, cloud.scanner_positions[labels.scan_room == number], parameters))
     return tuple(plans)
@@ -156,6 +172,37 @@ def _roofed(surfels: Surfels, planes: Planes) -> Bool:
     return roofed
 
 
+def _slopes(surfels: Surfels, planes: Planes) -> Bool:
+    """``(M,)``: surfels of sloped ceilings, which have nothing over them, as the underside of a flight of stairs has."""
+    large = np.array([(bitmap.occupancy > OCCUPIED).sum() * bitmap.cell_m**2 for bitmap in planes.bitmaps])
+    sloped = ~planes.horizontal & ~planes.vertical & (planes.normals[:, 2] < 0.0) & (large >= _LEAST_SLOPE_M2)
+    sloped = _on(sloped, planes.surfel_plane)
+    if not sloped.any():
+        return sloped
+    standing = np.flatnonzero(planes.surfel_plane >= 0)
+    positions = surfels.positions[standing]
+    columns = Gathered.by(CellGrid.around(positions * _IN_PLAN, _COLUMN_M).keys(positions * _IN_PLAN))
+    highest = np.maximum.reduceat(positions[columns.order, 2], columns.bounds[:-1])
+    above = np.full(len(surfels.positions), np.inf, np.float32)
+    above[standing[columns.order]] = np.repeat(highest, np.diff(columns.bounds))
+    return np.asarray(sloped & (above - surfels.positions[:, 2] < _ROOF_M))
+
+
+def _below_ceiling(planes: Planes, parts: _Parts, ceiling: float | None) -> F32:
+    """``(n,)``: how far each surfel lies below the room's ceiling over it, level or sloped, metres."""
+    height = np.full(len(parts.positions), np.inf if ceiling is None else ceiling)
+    slopes = np.flatnonzero(parts.slope)
+    if len(slopes):
+        tree = cKDTree(parts.positions[slopes, :2])
+        near = np.asarray(tree.query(parts.positions[:, :2], distance_upper_bound=_BESIDE_M)[1])
+        beside = np.flatnonzero(near < len(slopes))
+        plane = parts.plane[slopes[near[beside]]]
+        normals = planes.normals[plane]
+        flat = planes.offsets[plane] - np.einsum("ij,ij->i", normals[:, :2], parts.positions[beside, :2])
+        height[beside] = np.minimum(height[beside], flat / normals[:, 2])
+    return np.asarray(height - parts.positions[:, 2], np.float32)
+
+
 def _outline(
     planes: Planes, parts: _Parts, floor: int, ceiling: float | None, parameters: RoomPlanParameters
 ) -> Outline:
@@ -164,21 +211,44 @@ def _outline(
     So neither furniture hides a part of the room nor is the ground taken for it that a window shows.
     """
     wall = _on(planes.vertical, parts.plane)
-    everything = np.ones(len(wall), bool)
-    if ceiling is None:
-        return _drawn(parts, everything, wall, everything, parameters.outline)
+    if ceiling is None and not parts.slope.any():
+        everything = np.ones(len(wall), bool)
+        return _drawn(parts, everything, wall, everything, _faces(planes, parts, wall), parameters.outline)
     level = _on(planes.horizontal, parts.plane)
-    strip = parts.positions[:, 2] > ceiling - parameters.lintel_m
+    strip = (_below_ceiling(planes, parts, ceiling) < parameters.lintel_m) | parts.slope
+    upper_wall = wall & strip
+    faces = _faces(planes, parts, upper_wall)
     by_floor = strip | (parts.plane == floor)
-    whole = _drawn(parts, level & by_floor, wall & strip, by_floor, parameters.outline)
-    covered = (level & strip) | parts.roofed
-    if not covered.any():
+    covers = (level & strip) | parts.slope
+    whole = _drawn(parts, covers | (level & by_floor), upper_wall, by_floor, faces, parameters.outline)
+    covers |= parts.roofed
+    if not covers.any():
         return whole
-    upper = _drawn(parts, covered, wall & strip, strip | parts.roofed, parameters.outline)
+    upper = _drawn(parts, covers, upper_wall, strip | parts.roofed, faces, parameters.outline)
     return upper if upper.area >= parameters.least_ceiling * whole.area else whole
 
 
-def _drawn(parts: _Parts, level: Bool, wall: Bool, tells: Bool, parameters: OutlineParameters) -> Outline:
+def _faces(planes: Planes, parts: _Parts, wall: Bool) -> WallFaces:
+    """Return the lines in plan of the planes that hold some surfels of walls."""
+    plane, row = np.unique(parts.plane[wall], return_inverse=True)
+    enough = np.bincount(row, minlength=len(plane)) >= _LEAST_FACE
+    plane = plane[enough]
+    normals = planes.normals[plane, :2].astype(np.float64)
+    normals /= np.hypot(*normals.T)[:, None]
+    along = np.column_stack([-normals[:, 1], normals[:, 0]])
+    centre, span = np.empty((len(plane), 2)), np.empty((len(plane), 2))
+    for face, number in enumerate(plane):
+        xy = parts.positions[parts.plane == number, :2].astype(np.float64)
+        middle = xy.mean(axis=0)
+        centre[face] = middle + normals[face] * (np.median((xy - middle) @ normals[face]))
+        places = (xy - middle) @ along[face]
+        span[face] = places.min(), places.max()
+    return WallFaces(centre, along, span)
+
+
+def _drawn(
+    parts: _Parts, level: Bool, wall: Bool, tells: Bool, faces: WallFaces, parameters: OutlineParameters
+) -> Outline:
     seen = parts.seen_here & tells
     return draw_outline(
         parts.positions[level, :2],
@@ -186,4 +256,5 @@ def _drawn(parts: _Parts, level: Bool, wall: Bool, tells: Bool, parameters: Outl
         parts.scanners[seen, :2],
         parts.positions[seen, :2],
         parameters,
+        faces=faces,
     )

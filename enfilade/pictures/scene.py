@@ -13,11 +13,11 @@ from shapely import Point, Polygon, STRtree
 from shapely.errors import GEOSException
 from shapely.ops import polylabel
 
+from enfilade.faces import WallFaces, true_polygon, whole
 from enfilade.schema.graph import BuildingGraph, Node
 from enfilade.schema.ids import parse
 from enfilade.schema.topology import Topology, topology
 
-from .faces import WallFaces, true_polygon, whole
 from .frame import AS_SCANNED, PageFrame
 from .style import ROOM_TINTS
 

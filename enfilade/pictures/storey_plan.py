@@ -13,12 +13,13 @@ from shapely import Polygon, union_all
 from shapely.geometry.base import BaseGeometry
 
 from enfilade.clouds import LabelledCloud
+from enfilade.faces import WallFaces
 from enfilade.schema.graph import BuildingGraph, Node
 from enfilade.schema.ids import parse
 from enfilade.schema.topology import Topology, topology
 
 from .endings import wall_cells
-from .faces import WallFaces, wall_faces
+from .faces import wall_faces
 from .flights import Flight
 from .frame import PageFrame, page_frame
 from .furniture import object_outlines

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from enfilade.faces import WallFaces
 from enfilade.ingest.outlines import OutlineParameters, draw_outline
 
 SCANNER = np.array([[1.0, 1.0]], np.float32)
@@ -66,3 +67,48 @@ def test_the_outline_of_a_rectangle_has_few_corners_and_its_area() -> None:
 
 def test_a_room_without_walls_is_what_is_covered() -> None:
     assert draw_outline(floor((0.0, 4.0), (0.0, 3.0)), NOTHING, SCANNER, SCANNER).area == pytest.approx(12.0, rel=0.02)
+
+
+def faces_of(corners: np.ndarray) -> WallFaces:
+    """Faces along the edges of a polygon."""
+    ends = np.roll(corners, -1, axis=0)
+    length = np.hypot(*(ends - corners).T)
+    half = np.column_stack([-length, length]) / 2
+    return WallFaces((corners + ends) / 2, (ends - corners) / length[:, None], half)
+
+
+def along(corners: np.ndarray, *, gap: tuple[float, float] | None = None) -> np.ndarray:
+    """Points every 4 cm along the edges of a polygon; of the first edge none from one place to another."""
+    points = []
+    for edge, (a, b) in enumerate(zip(corners, np.roll(corners, -1, axis=0), strict=True)):
+        place = np.arange(0.0, np.hypot(*(b - a)), 0.04)
+        if gap is not None and edge == 0:
+            place = place[(place < gap[0]) | (place > gap[1])]
+        points.append(a + (b - a) / np.hypot(*(b - a)) * place[:, None])
+    return np.concatenate(points).astype(np.float32)
+
+
+@given(st.floats(1.5, 8.0), st.floats(1.5, 8.0), st.floats(0.0, 1.5), st.floats(-0.2, 0.2))
+def test_along_faces_an_outline_is_exact_however_the_room_lies(w: float, d: float, angle: float, shift: float) -> None:
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    corners = np.array([[0.0, 0.0], [w, 0.0], [w, d], [0.0, d]]) @ turn + shift
+    covered = (floor((0.0, w), (0.0, d)) @ turn + shift).astype(np.float32)
+    scanner = np.array([[0.7, 0.7]], np.float32) @ turn.astype(np.float32) + np.float32(shift)
+    outline = draw_outline(covered, along(corners), scanner, scanner, faces=faces_of(corners))
+    assert outline.area == pytest.approx(w * d, rel=1e-3)
+    assert outline.centre == pytest.approx(corners.mean(axis=0), abs=2e-3)
+    assert len(outline.rings[0]) == 5
+
+
+def test_what_is_seen_through_a_window_up_to_the_ceiling_does_not_count_and_a_niche_does() -> None:
+    corners = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]])
+    through = floor((1.5, 2.6), (-2.0, 0.0))
+    covered = np.concatenate([floor((0.0, 4.0), (0.0, 3.0)), through])
+    wall = along(corners, gap=(1.4, 2.7))
+    seen = draw_outline(covered, wall, SCANNER, SCANNER, faces=faces_of(corners))
+    assert seen.area == pytest.approx(12.0, rel=0.005)
+    niche = along(np.array([[1.4, -1.0], [2.7, -1.0], [2.7, 0.0], [1.4, 0.0]]))
+    niche = niche[niche[:, 1] < -0.03]
+    covered = np.concatenate([floor((0.0, 4.0), (0.0, 3.0)), floor((1.4, 2.7), (-1.0, 0.0))])
+    around = draw_outline(covered, np.concatenate([wall, niche]), SCANNER, SCANNER, faces=faces_of(corners))
+    assert around.area == pytest.approx(13.3, rel=0.02)

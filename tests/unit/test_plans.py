@@ -14,8 +14,9 @@ from shapely import LineString, Point, Polygon, box
 
 from enfilade.clouds import LabelledCloud
 from enfilade.errors import NotFoundError
+from enfilade.faces import WallFaces, true_polygon, without_spurs
 from enfilade.pictures.endings import wall_cells
-from enfilade.pictures.faces import WallFaces, true_polygon, wall_faces, without_spurs
+from enfilade.pictures.faces import wall_faces
 from enfilade.pictures.flights import find_flights
 from enfilade.pictures.frame import AS_SCANNED, PageFrame, page_frame
 from enfilade.pictures.leaves import draw_door

@@ -212,3 +212,30 @@ def test_a_bed_that_hides_most_of_the_floor_is_not_the_floor() -> None:
     )
     plan = draw_plans(building.cloud, building.surfels, building.planes, building.labels)[0]
     assert plan.floor_elevation == pytest.approx(0.0, abs=0.01)
+
+
+def slope(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> np.ndarray:
+    """Points every 2 cm on a plane that rises along y."""
+    points = grid(x, y, (0.0, 0.0))
+    points[:, 2] += z[0] + (points[:, 1] - y[0]) / (y[1] - y[0]) * (z[1] - z[0])
+    return points
+
+
+def test_a_room_under_a_roof_reaches_up_to_its_low_walls() -> None:
+    parts = [
+        grid((0.0, 4.0), (0.0, 6.0), (0.0, 0.0)),
+        grid((0.0, 4.0), (1.5, 4.5), (2.5, 2.5)),
+        slope((0.0, 4.0), (0.0, 1.5), (1.0, 2.5)),
+        slope((0.0, 4.0), (4.5, 6.0), (2.5, 1.0)),
+        grid((0.0, 4.0), (0.0, 0.0), (0.0, 1.0)),
+        grid((0.0, 4.0), (6.0, 6.0), (0.0, 1.0)),
+    ]
+    gables = np.concatenate([grid((x, x), (0.0, 6.0), (0.0, 2.5)) for x in (0.0, 4.0)])
+    parts.append(gables[gables[:, 2] < 1.0 + np.minimum(gables[:, 1], 6.0 - gables[:, 1])])
+    attic = build([Scan.of_points("attic", "boxes.e57", np.concatenate(parts), np.array([2.0, 3.0, 1.5]))])
+    (draft,) = draw_plans(attic.cloud, attic.surfels, attic.planes, attic.labels, by_floors=False)
+    assert draft.area == pytest.approx(24.0, rel=0.01)
+    assert (keep_inside(attic.surfels, attic.labels, [draft]).after >= 0).mean() > 0.999
+    (plan,) = draw_plans(attic.cloud, attic.surfels, attic.planes, attic.labels)
+    assert plan.area == pytest.approx(24.0, rel=0.005)
+    assert plan.ceiling_elevation == pytest.approx(2.5, abs=0.01)
