@@ -9,9 +9,11 @@ from box_scene import BoxScene
 from enfilade.descriptors import TOTAL, Layout
 from enfilade.ingest.objects import ObjectParameters, find_objects
 from enfilade.ingest.objects.combinations import combine, find_near
+from enfilade.ingest.objects.masks import Face, Mask
 from enfilade.ingest.objects.segments import connect, without_outliers
 from enfilade.ingest.objects.sightlines import Sightlines
-from enfilade.ingest.records import Opening, Planes, Segment, ThinnedCloud
+from enfilade.ingest.records import Opening, Planes, Segment, Surfels, ThinnedCloud
+from enfilade.ingest.sides import Side
 
 LAYOUT = Layout()
 
@@ -298,6 +300,30 @@ def test_what_another_scan_looks_through_is_a_ghost():
     assert not sightlines.are_a_ghost(pillar[cloud.scan[pillar] == 0].astype(np.int32))
 
 
+def test_a_mirror_in_the_next_room_makes_no_ghosts():
+    """A scan in the next room meets in a mirror what it shows behind the wall, beyond a cupboard that stands there."""
+    y, z = (axis.ravel() for axis in np.meshgrid(np.arange(-1, 1, 0.02), np.arange(0.2, 1.8, 0.02)))
+    cupboard = np.column_stack([np.full(len(y), 1.0), y / 2, z])
+    image = np.column_stack([np.full(len(y), 4.0), 4 * y, 1.5 + 4 * (z - 1.5)])
+    cloud = ThinnedCloud(
+        np.concatenate([cupboard, image]).astype(np.float32),
+        np.repeat(np.arange(2, dtype=np.int32), len(y)),
+        np.array([[3.0, 0.0, 1.5], [-1.0, 0.0, 1.5]], dtype=np.float32),
+        ("0", "1"),
+        np.zeros(3),
+        1,
+    )
+    surfels = Surfels(np.zeros((1, 3), np.float32), np.zeros((1, 3), np.float32), np.zeros(1, np.int32), np.zeros(1))
+    axes, bounds = np.eye(3), np.array([-3.0, 0.0, 3.0, 2.5])
+    wall = Side(0, (0,), axes[0], 0.5, axes[1], axes[2], bounds, np.zeros(1, dtype=np.int32))
+    face = Face(wall, 0.5, Mask(wall, surfels))
+    position, normal = np.array([0.5, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
+    door = Opening("door", "horizontal", 0, 1, position, normal, 3.0, 2.0, 0.0, 6.0, 0, "open", 0.9)
+    sightlines, members = Sightlines(cloud, ObjectParameters()), np.arange(len(y), dtype=np.int32)
+    assert not sightlines.are_a_ghost(members, [face])
+    assert sightlines.are_a_ghost(members, [face], [door])
+
+
 def test_an_image_in_a_mirror_is_outside_of_the_room():
     scene = furnished()
     scene.block((1.5, 4.8, 0.0), (2.1, 5.4, 1.0), 0)
@@ -320,6 +346,20 @@ def test_the_leaf_of_an_open_door_is_no_object():
     door = Opening("door", "horizontal", 0, None, position, normal, 0.9, 2.0, 0.0, 1.8, 0, "open", 0.9)
     assert len(find_objects(cloud, surfels, planes, labels, rooms).segments) == 1
     assert find_objects(cloud, surfels, planes, labels, rooms, openings=[door]).segments == ()
+
+
+@pytest.mark.parametrize(("low", "high"), [((2.85, 1.9), (3.68, 1.94)), ((2.85, 2.05), (3.6, 2.09))])
+def test_the_leaf_of_a_door_in_a_thick_wall_hangs_where_its_reveal_ends(low, high):
+    scene = BoxScene()
+    scene.room(0, (0, 0, 0), (4, 4, 2.5), holes={"x1": [((1.0, 0.0), (1.9, 2.0))]})
+    scene.block((*low, 0.01), (*high, 1.98), 0)
+    scene.scanners = [((1.5, 1.0, 1.6), 0), ((1.5, 3.0, 1.6), 0)]
+    cloud, surfels, planes, labels, rooms = scene.scan()
+    position, normal = np.array([4.0, 1.45, 1.0]), np.array([-1.0, 0.0, 0.0])
+    door = Opening("door", "horizontal", 0, 1, position, normal, 0.9, 2.0, 0.0, 1.8, 0, "open", 0.9)
+    far = replace(door, position=np.array([4.0, 3.05, 1.0]))
+    assert find_objects(cloud, surfels, planes, labels, rooms, openings=[door]).segments == ()
+    assert len(find_objects(cloud, surfels, planes, labels, rooms, openings=[far]).segments) == 1
 
 
 def test_a_railing_is_no_object():

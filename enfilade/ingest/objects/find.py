@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from enfilade.descriptors import DEFAULT_LAYOUT, Layout
 from enfilade.ingest.objects.belonging import rooms_of_points
 from enfilade.ingest.objects.combinations import combine, describe_all, find_near
-from enfilade.ingest.objects.masks import standing_off
+from enfilade.ingest.objects.masks import Face, Mask, standing_off
 from enfilade.ingest.objects.parameters import ObjectParameters
 from enfilade.ingest.objects.remains import Remains
 from enfilade.ingest.objects.segments import connect
@@ -78,11 +78,15 @@ def find_objects(
         opening_in[opening.room_a].append(opening)
         opening_in[opening.room_b].append(opening)
     sightlines = Sightlines(cloud, chosen)
+    on_board = np.append(structure.boards, False)
     segments: list[Segment] = []
     for number in sorted(known):
         members = loose_in.get(number, np.zeros(0, dtype=np.int32))
-        for group in _groups(cloud, members, known[number], structure, opening_in[number], surfels, chosen):
-            if not sightlines.are_a_ghost(group):
+        faces = _faces(structure.sides.get(number, ()), surfels, chosen)
+        flights = [each for each in structure.flights if each.touches(known[number].bounds, chosen.outline_reach_m)]
+        remains = Remains(known[number], opening_in[number], flights, chosen)
+        for group in _groups(cloud, members, remains, on_board, faces, surfels.point_surfel):
+            if not sightlines.are_a_ghost(group, faces, remains.openings):
                 positions = cloud.positions[group].astype(np.float64)
                 segments.append(_segment(len(segments), known[number], group, positions))
     near = find_near(segments, cloud.positions, chosen)
@@ -110,28 +114,20 @@ def _by_room(room_of: I32, points: I32) -> dict[int, I32]:
 
 
 def _groups(
-    cloud: ThinnedCloud,
-    members: I32,
-    room: Room,
-    structure: Structure,
-    openings: Sequence[Opening],
-    surfels: Surfels,
-    parameters: ObjectParameters,
+    cloud: ThinnedCloud, members: I32, remains: Remains, on_board: Bool, faces: Sequence[Face], point_surfel: I32
 ) -> Iterator[I32]:
     """Split the loose points of a room into those of its segments."""
+    parameters, room = remains.parameters, remains.room
     positions = cloud.positions[members].astype(np.float64)
-    flights = [flight for flight in structure.flights if flight.touches(room.bounds, parameters.outline_reach_m)]
-    remains = Remains(room, openings, flights, parameters)
-    surfel = surfels.point_surfel[members]
-    sides = _with_depth(structure, room, parameters)
-    off = standing_off(positions, surfel < 0, sides, surfels, parameters.max_relief_m)
-    fixed = (off < parameters.clearance_m) & ~np.append(structure.boards, False)[surfel]
+    surfel = point_surfel[members]
+    off = standing_off(positions, surfel < 0, faces, parameters.max_relief_m)
+    fixed = (off < parameters.clearance_m) & ~on_board[surfel]
     for level in (room.floor_elevation, room.ceiling_elevation):
         if level is not None:
             fixed |= np.abs(positions[:, 2] - level) < parameters.clearance_m
-    fixed |= in_openings(positions, openings, parameters) | remains.on_stairs(positions)
-    members, positions, off = members[~fixed], positions[~fixed], off[~fixed]
-    for group in connect(positions, surfel[~fixed] < 0, parameters):
+    fixed |= in_openings(positions, remains.openings, parameters) | remains.on_stairs(positions)
+    members, positions, off, surfel = members[~fixed], positions[~fixed], off[~fixed], surfel[~fixed]
+    for group in connect(positions, surfel < 0, parameters):
         if not remains.is_remain(positions[group], off[group]):
             yield from (members[group[piece]] for piece in _pieces(positions[group], parameters))
 
@@ -148,10 +144,12 @@ def _pieces(positions: F64, parameters: ObjectParameters) -> Iterator[I64]:
             yield from (own[part[module]] for module in cut_row(positions[own[part]], parameters))
 
 
-def _with_depth(structure: Structure, room: Room, parameters: ObjectParameters) -> list[tuple[Side, float]]:
-    """List the sides of a room that are structure, each with how far behind it things are part of it."""
-    sides = structure.sides.get(room.number, ())
-    return [(side, parameters.max_reveal_m if side.vertical else parameters.clearance_m) for side in sides]
+def _faces(sides: Iterable[Side], surfels: Surfels, parameters: ObjectParameters) -> list[Face]:
+    """Give the sides of a room that are structure the cells they cover; walls are as deep as reveals are."""
+    return [
+        Face(side, parameters.max_reveal_m if side.vertical else parameters.clearance_m, Mask(side, surfels))
+        for side in sides
+    ]
 
 
 def _segment(number: int, room: Room, members: I32, positions: F64) -> Segment:

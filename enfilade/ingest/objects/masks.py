@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import ndimage
 
 from enfilade.ingest.records import F64, I32, Bool, Surfels
 from enfilade.ingest.sides import Side
 
+I64 = NDArray[np.int64]
+
 CELL_M: Final = 0.1
 BEYOND_M: Final = 0.3
+BACK_M: Final = 0.05
+"""A scanner that looks at the back of a side is farther behind it."""
 
 
 class Mask:
@@ -40,9 +46,41 @@ class Mask:
         return np.asarray(inside & self._covered[cells[:, 0], cells[:, 1]], dtype=np.bool_)
 
 
-def standing_off(
-    points: F64, sparse: Bool, sides: Iterable[tuple[Side, float]], surfels: Surfels, reach_m: float
-) -> F64:
+@dataclass(frozen=True, slots=True)
+class Face:
+    """A side of structure with the cells that it covers.
+
+    Attributes
+    ----------
+    side
+        Wall, floor, ceiling or slope.
+    behind_m
+        How far behind it things are part of it.
+    mask
+        Its cells.
+    """
+
+    side: Side
+    behind_m: float
+    mask: Mask
+
+    def crossings(self, start: F64, ends: F64) -> tuple[I64, F64]:
+        """Find which ways from a start, ``(3,)``, to ends, ``(n, 3)``, come in through the back, and where.
+
+        Things hide what is behind them, so that all within the bounds of the side counts as wall.
+        """
+        before = float(start @ self.side.normal) - self.side.offset
+        if before > -BACK_M:
+            return np.zeros(0, dtype=np.int64), np.zeros((0, 3))
+        depth = ends @ self.side.normal - self.side.offset
+        way = np.flatnonzero(depth > 0)
+        places = start + (before / (before - depth[way]))[:, None] * (ends[way] - start)
+        on_plane = places @ np.column_stack([self.side.u, self.side.v])
+        within = ((on_plane > self.side.bounds[:2]) & (on_plane < self.side.bounds[2:])).all(axis=1)
+        return way[within], places[within]
+
+
+def standing_off(points: F64, sparse: Bool, faces: Iterable[Face], reach_m: float) -> F64:
     """Measure how far points stand in front of the nearest side; what lies behind one stands off not at all.
 
     Parameters
@@ -51,10 +89,8 @@ def standing_off(
         ``(n, 3)`` metres.
     sparse
         ``(n,) bool``, points without a surfel: where these are, a side may well be without, too.
-    sides
-        Each with how far behind it things are part of it, metres.
-    surfels
-        Those that the sides index.
+    faces
+        Of the room.
     reach_m
         Farther than this is infinitely far.
 
@@ -63,10 +99,10 @@ def standing_off(
     ``(n,)`` metres, negative for what lies within the wall.
     """
     least = np.full(len(points), np.inf)
-    for side, behind in sides:
-        depth = points @ side.normal - side.offset
-        close = np.flatnonzero((depth < np.minimum(reach_m, least)) & (depth > -behind))
-        close = close[Mask(side, surfels).covers(points[close]) | (sparse[close] & _within(side, points[close]))]
+    for face in faces:
+        depth = points @ face.side.normal - face.side.offset
+        close = np.flatnonzero((depth < np.minimum(reach_m, least)) & (depth > -face.behind_m))
+        close = close[face.mask.covers(points[close]) | (sparse[close] & _within(face.side, points[close]))]
         least[close] = np.minimum(least[close], depth[close])
     return least
 

@@ -32,7 +32,7 @@ class ObjectParameters:
     max_leaf_m, min_leaf_m
         What is set back into a wall and is narrower and higher than this is the leaf of a door.
     max_leaf_thickness_m, max_hinge_m
-        An open leaf is thinner, with its handles, and so near to the jamb and the lintel of its door.
+        An open leaf is thinner, with its handles; its line passes the jamb so near, and its top the lintel.
     max_railing_m, min_railing_m
         What is thinner than the first, longer than the second and stands on the floor is a railing or a low wall.
     max_riser_m, handrail_m

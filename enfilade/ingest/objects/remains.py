@@ -20,6 +20,7 @@ MOST: Final = 0.8
 """A segment is what this share of its points are."""
 
 
+
 @dataclass(frozen=True, slots=True)
 class Remains:
     """Tells what is left of one room's structure.
@@ -95,22 +96,33 @@ class Remains:
         return bool(low and length > self.parameters.min_railing_m and thickness < self.parameters.max_railing_m)
 
     def _is_leaf(self, points: F64) -> bool:
-        """Whether it is the leaf of a door that stands open: thin, as high as the door, hung on one of its jambs."""
+        """Whether it is the leaf of a door that stands open: thin, as high as the door, hung on one of its jambs.
+
+        What lies in the reveal went with the door, so that the leaf begins as far from its hinges as that is deep.
+        """
         bottom, top = np.quantile(points[:, 2], (0.02, 0.98)) - self.room.floor_elevation
         along = _along(points)
-        length, thickness = np.ptp(np.quantile(along, (0.05, 0.95), axis=0), axis=0)
-        if thickness > self.parameters.max_leaf_thickness_m or top - bottom < self.parameters.min_leaf_m / 2:
+        (first, left), (last, right) = np.quantile(along, (0.02, 0.98), axis=0)
+        if right - left > self.parameters.max_leaf_thickness_m or top - bottom < self.parameters.min_leaf_m / 2:
             return False
-        ends = points[[along[:, 0].argmin(), along[:, 0].argmax()], :2]
+        centre, axes = points[:, :2].mean(axis=0), _axes(points)
+        ends = np.array([first, last])
         for opening in self.openings:
-            if opening.kind == "door" and opening.orientation == "horizontal":
+            high = abs(top - opening.sill - opening.height) < self.parameters.max_hinge_m
+            if opening.kind in ("door", "passage") and opening.orientation == "horizontal" and high:
                 sideways = np.array([-opening.normal[1], opening.normal[0]]) * opening.width / 2
-                jambs = opening.position[:2] + np.array([sideways, -sideways])
-                hung = np.linalg.norm(ends[:, None] - jambs, axis=2).min() < self.parameters.max_hinge_m
-                high = abs(top - opening.sill - opening.height) < self.parameters.max_hinge_m
-                if hung and high and length < opening.width + 2 * self.parameters.frame_m:
+                jambs = (opening.position[:2] + [sideways, -sideways] - centre) @ axes
+                if any(self._hangs_on(jamb, ends, opening.width) for jamb in jambs):
                     return True
         return False
+
+    def _hangs_on(self, jamb: F64, ends: F64, width_m: float) -> bool:
+        """Whether a leaf from one end to the other goes out from a jamb, ``(2,)`` along and across it."""
+        near, far = np.sort(np.abs(ends - jamb[0]))
+        outside = not ends[0] + self.parameters.frame_m < jamb[0] < ends[1] - self.parameters.frame_m
+        hung = near < self.parameters.max_reveal_m and abs(jamb[1]) < self.parameters.max_hinge_m
+        longest = width_m + self.parameters.max_reveal_m / 2 + self.parameters.frame_m
+        return bool(outside and hung and far < longest)
 
     def _is_line(self, points: F64) -> bool:
         """Whether it is a mere line: the edge of something that was seen along its face."""
@@ -148,7 +160,12 @@ class Remains:
         return any(float(found.mean()) > 0.5 for found in near)
 
 
+def _axes(points: F64) -> F64:
+    """``(2, 2)`` directions on the plan in which points extend most and least, in columns."""
+    level = points[:, :2] - points[:, :2].mean(axis=0)
+    return np.asarray(np.linalg.eigh(level.T @ level)[1][:, ::-1], dtype=np.float64)
+
+
 def _along(points: F64) -> F64:
     """``(n, 2)`` places on the plan along and across the direction in which points extend most."""
-    level = points[:, :2] - points[:, :2].mean(axis=0)
-    return np.asarray(level @ np.linalg.eigh(level.T @ level)[1][:, ::-1], dtype=np.float64)
+    return np.asarray((points[:, :2] - points[:, :2].mean(axis=0)) @ _axes(points), dtype=np.float64)

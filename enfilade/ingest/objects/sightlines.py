@@ -5,15 +5,18 @@ Every ray says that all between the scanner and the point it measured is empty.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Final
 
 import numpy as np
 from numba import njit
 
+from enfilade.ingest.objects.masks import Face
 from enfilade.ingest.objects.parameters import ObjectParameters
 from enfilade.ingest.objects.segments import thin
-from enfilade.ingest.records import F32, F64, I32, ThinnedCloud
+from enfilade.ingest.objects.structure import in_openings
+from enfilade.ingest.records import F32, F64, I32, Opening, ThinnedCloud
 
 BIN_DEG: Final = 0.3
 MOST_SCANS: Final = 6
@@ -43,8 +46,12 @@ class Sightlines:
         self._ends = np.cumsum(np.bincount(cloud.scan, minlength=len(cloud.scanner_positions)))
         self._depths = lru_cache(KEPT_MAPS)(self._measure_depths)
 
-    def are_a_ghost(self, members: I32) -> bool:
-        """Whether points, by index, are seen by one scan while another looks through most of them."""
+    def are_a_ghost(self, members: I32, faces: Sequence[Face] = (), openings: Sequence[Opening] = ()) -> bool:
+        """Whether points, by index, are seen by one scan while another looks through most of them.
+
+        A ray that comes into the room through the back of one of its faces, and through no opening, was thrown back
+        by a mirror: what it met lies elsewhere, and so does its way.
+        """
         scan, count = np.unique(self._cloud.scan[members], return_counts=True)
         if count.max() < ONE_SCAN * len(members):
             return False
@@ -55,17 +62,27 @@ class Sightlines:
         nearest = np.argsort(apart, kind="stable")[:MOST_SCANS]
         nearest = nearest[apart[nearest] < FARTHEST_M]
         return any(
-            self._share_seen_through(points, int(other)) > self._parameters.min_seen_through for other in nearest
+            self._share_seen_through(points, int(other), faces, openings) > self._parameters.min_seen_through
+            for other in nearest
         )
 
-    def _share_seen_through(self, points: F64, scan: int) -> float:
+    def _share_seen_through(
+        self, points: F64, scan: int, faces: Sequence[Face], openings: Sequence[Opening]
+    ) -> float:
         """Share of the points, of those that nothing hides from a scan, behind which its rays end."""
-        rays = points - self._cloud.scanner_positions[scan]
+        scanner = self._cloud.scanner_positions[scan].astype(np.float64)
+        rays = points - scanner
         distance, depth = np.linalg.norm(rays, axis=1), _look_up(self._depths(scan), rays)
         margin = self._parameters.min_behind_m
         in_view = depth > distance - margin
-        behind = np.isfinite(depth) & (depth > distance + margin)
-        return float(behind.sum() / in_view.sum()) if in_view.mean() > LEAST_IN_VIEW else 0.0
+        if in_view.mean() <= LEAST_IN_VIEW:
+            return 0.0
+        behind = np.flatnonzero(np.isfinite(depth) & (depth > distance + margin))
+        mirrored = np.zeros(len(behind), dtype=bool)
+        for face in faces:
+            way, places = face.crossings(scanner, points[behind])
+            mirrored[way] |= ~in_openings(places, openings, self._parameters)
+        return float((~mirrored).sum() / in_view.sum())
 
     def _measure_depths(self, scan: int) -> F32:
         """Least distance that a scan measured in each direction, infinite where it measured none."""
