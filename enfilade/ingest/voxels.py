@@ -7,14 +7,16 @@ measures neighbours one after the other, mostly in what the processor has at han
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, TypeVar
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from .parallel import in_slices
 from .records import F32, F64, I32, U8, Chunk
 
+T = TypeVar("T", bound=np.generic)
 I64 = NDArray[np.int64]
 U64 = NDArray[np.uint64]
 
@@ -26,7 +28,7 @@ _SLOTS: Final = 8
 _EMPTY: Final = np.int64(-1)
 _FIRST_BLOCKS: Final = 1 << 16
 _FULLEST: Final = 0.6
-_GROWTH: Final = 1.3
+_GROWTH: Final = 1.5
 _STRIDE: Final = 65
 _SAME_M: Final = 1e-4
 """Points of two scans no farther apart than this along each axis are copies, but for rounding."""
@@ -123,18 +125,15 @@ class VoxelSet:
         return True
 
     def finish(self) -> VoxelPoints:
-        """Return the points in the order of their voxels. The set is used up."""
-        count = int(self._used[1])
-        blocks = np.argsort(self._blocks[: self._used[0]])
+        """Return the points in the order of their voxels. The set is used up: what is done with is let go at once."""
         self._table = _empty_table(0)
-        order = _ordered(self._slots, blocks, count)
+        order = _ordered(self._slots, np.argsort(self._blocks[: self._used[0]]), int(self._used[1]))
         self._slots = np.zeros((0, _SLOTS), np.int32)
-        return VoxelPoints(
-            self._positions[order],
-            self._scan[order],
-            self._intensity[order] if len(self._intensity) else None,
-            self._colour[order] if len(self._colour) else None,
-        )
+        self._positions = _taken(self._positions, order)
+        self._scan = _taken(self._scan, order)
+        intensity = _taken(self._intensity, order) if len(self._intensity) else None
+        colour = _taken(self._colour, order) if len(self._colour) else None
+        return VoxelPoints(self._positions, self._scan, intensity, colour)
 
     def _make_columns(self, intensity: bool, colour: bool) -> None:
         """Begin to keep intensity or colour with the first chunk that has it."""
@@ -144,30 +143,51 @@ class VoxelSet:
             self._colour = np.zeros((len(self._scan), 3), np.uint8)
 
     def _grow(self) -> None:
-        """Make room where less than a tenth is free; what is grown in place needs no second copy."""
+        """Make room where less than a tenth is free."""
         blocks, points = self._used
         if blocks > 0.9 * len(self._blocks):
-            capacity = int(_GROWTH * len(self._blocks))
-            self._blocks.resize(capacity, refcheck=False)
-            self._slots.resize((capacity, _SLOTS), refcheck=False)
-            if capacity > _FULLEST * len(self._table):
+            if blocks > 0.8 * _FULLEST * len(self._table):
                 self._table = _empty_table(2 * len(self._table))
                 _fill(self._table, self._blocks[:blocks])
+            capacity = int(min(_GROWTH * len(self._blocks), _FULLEST * len(self._table)))
+            self._blocks = _grown(self._blocks, capacity)
+            self._slots = _grown(self._slots, capacity)
         if points > 0.9 * len(self._scan):
             capacity = int(_GROWTH * len(self._scan))
-            self._positions.resize((capacity, 3), refcheck=False)
-            self._scan.resize(capacity, refcheck=False)
+            self._positions = _grown(self._positions, capacity)
+            self._scan = _grown(self._scan, capacity)
             if len(self._intensity):
-                before = len(self._intensity)
-                self._intensity.resize(capacity, refcheck=False)
-                self._intensity[before:] = np.nan
+                self._intensity = _grown(self._intensity, capacity)
             if len(self._colour):
-                self._colour.resize((capacity, 3), refcheck=False)
+                self._colour = _grown(self._colour, capacity)
+
+
+def _grown(values: NDArray[T], capacity: int) -> NDArray[T]:
+    """Return an array with room for more rows; a new one, for NumPy asks for huge pages only then.
+
+    What is not written yet takes no memory. With small pages, half of the time goes into finding them.
+    """
+    grown = np.empty((capacity, *values.shape[1:]), values.dtype)
+    grown[: len(values)] = values
+    return grown
+
+
+def _taken(values: NDArray[T], order: I32) -> NDArray[T]:
+    """``values[order]``, on all processors."""
+    taken = np.empty((len(order), *values.shape[1:]), values.dtype)
+    in_slices(_take, len(order), taken, values, order)
+    return taken
 
 
 def _empty_table(size: int) -> I64:
     """Return a table of `size` (a power of 2) pairs of a block's key and its number."""
     return np.full((size, 2), _EMPTY, np.int64)
+
+
+@njit(cache=True, nogil=True)
+def _take(first: int, past: int, taken: NDArray[T], values: NDArray[T], order: I32) -> None:
+    for i in range(first, past):
+        taken[i] = values[order[i]]
 
 
 @njit(cache=True, nogil=True)
@@ -242,6 +262,7 @@ def _add(chunk, intensity, colour, start, scan, origin, voxel_m, scanners, held,
             if table[at, 0] == -1:
                 table[at, 0], table[at, 1] = block, used[0]
                 blocks[used[0]] = block
+                slots[used[0]] = 0
                 used[0] += 1
             last, number = block, table[at, 1]
         point = np.int64(slots[number, slot]) - 1
