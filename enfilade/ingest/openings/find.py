@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from enfilade.ingest.openings.blind import BlindHole, find_blind_holes, open_blind
+from enfilade.ingest.openings.blind import find_blind_holes, open_blind
 from enfilade.ingest.openings.contacts import contact_sides
 from enfilade.ingest.openings.evidence import Walls
 from enfilade.ingest.openings.holes import Hole, find_holes
@@ -51,13 +51,13 @@ def find_openings(
     walls = [side for side in sides if side.vertical]
     looked_at = sorted([*walls, *floor_sides(known)], key=lambda side: side.room)
     holes: list[Hole] = []
-    blind: list[BlindHole] = []
+    blind: list[Hole] = []
     reach = {"surface_m": chosen.surface_m, "front_m": chosen.front_m, "inset_m": chosen.max_inset_m}
     views = SideViews(rays, looked_at, surfels, **reach)
     for view in views:
         holes.extend(find_holes(view, chosen))
         if view.side.vertical:
-            blind.extend(find_blind_holes(view, known[view.side.room].floor_elevation, chosen))
+            blind.extend(find_blind_holes(view, chosen))
     rays = told_by_sight(rays, surfels, views.unhindered)
     doors = group_holes([hole for hole in holes if hole.side.vertical], rays, known, chosen)
     backs = Walls(walls, surfels, chosen.max_gap_m)
@@ -69,6 +69,8 @@ def find_openings(
     openings += open_walls(passages, rays, known, neighbours, backs, chosen)
     slabs = group_holes([hole for hole in holes if hole.side.horizontal], rays, known, chosen)
     openings += [stairs for group in slabs if (stairs := open_slab(group, rays, known, surfels, chosen)) is not None]
+    led = {id(lead.hole) for group in doors for lead in group.leads}
+    blind += [hole for hole in holes if hole.side.vertical and id(hole) not in led]
     openings += open_blind(blind, walls, known, openings, surfels, Sight(surfels, rays), chosen)
     return tuple(sorted(openings, key=_order))
 

@@ -34,6 +34,12 @@ LEAST_POINTS: Final = 20
 REVEAL_M: Final = 0.12
 """Points up to this far behind the wall, in a hole, are its reveal: they show its edge."""
 
+JAMB_M: Final = 0.04
+"""Points this close to the edge of a hole, behind its wall, are on the reveal ..."""
+
+GAP_M: Final = 0.09
+"""... as deep as they follow one another with no gap wider than this."""
+
 
 @dataclass(frozen=True, slots=True)
 class Hole:
@@ -56,6 +62,10 @@ class Hole:
     pane
         Share of its inner part where something between the faces of the wall sent rays back: all of it where a
         leaf is closed, most of it where there is glass.
+    leaf, passed
+        Shares of its inner part where rays end soon behind the wall, and where rays pass far beyond.
+    reveal
+        How deep its reveal was seen to be, metres: as thick as the wall, if nothing in the hole hides it.
     """
 
     side: Side
@@ -68,6 +78,9 @@ class Hole:
     fill: float
     lintel: float
     pane: float
+    leaf: float = 0.0
+    passed: float = 0.0
+    reveal: float = 0.0
 
     @property
     def width(self) -> float:
@@ -111,14 +124,14 @@ def find_holes(view: SideView, parameters: OpeningParameters) -> Iterator[Hole]:
     order = np.argsort(number, kind="stable")
     for members in np.split(order, np.flatnonzero(np.diff(number[order])) + 1):
         if number[members[0]] > 0 and len(members) >= parameters.min_rays:
-            hole = measure_hole(
-                view, members, view.crossing[members], int(size[number[members[0]]]), parameters.cell_m
-            )
+            hole = measure_hole(view, members, view.crossing[members], int(size[number[members[0]]]), parameters)
             if hole.width >= parameters.min_width_m and hole.height >= parameters.min_height_m:
                 yield hole
 
 
-def measure_hole(view: SideView, members: NDArray[np.int_], places: F64, cells: int, cell_m: float) -> Hole:
+def measure_hole(
+    view: SideView, members: NDArray[np.int_], places: F64, cells: int, parameters: OpeningParameters
+) -> Hole:
     """Measure the rectangle around a hole, edge by edge.
 
     Parameters
@@ -129,13 +142,16 @@ def measure_hole(view: SideView, members: NDArray[np.int_], places: F64, cells: 
         Rays through it, as indices into the view.
     places
         ``(n, 2)`` where the side is known to have no surface, along its axes.
-    cells, cell_m
-        Number and size of the hole's cells.
+    cells
+        Number of the hole's cells.
+    parameters
+        Their size, and how far behind a wall the leaf of a closed door is.
 
     Returns
     -------
     The hole.
     """
+    cell_m = parameters.cell_m
     reveal = members[view.outbound[members] & (view.beyond[members] < REVEAL_M)]
     places = np.concatenate([places, view.end[reveal]])
     wall = view.wall
@@ -149,6 +165,8 @@ def measure_hole(view: SideView, members: NDArray[np.int_], places: F64, cells: 
     edges = np.array([found[0][0], found[1][0], -found[2][0], -found[3][0]])
     fill = cells * cell_m**2 / max((edges[2] - edges[0]) * (edges[3] - edges[1]), cell_m**2)
     bounded = np.array([supported for _, supported in found])
+    soon = view.outbound[members] & (view.beyond[members] < parameters.max_inset_m)
+    leaf, passed = (covered_share(view.crossing[members[some]], edges, PANE_M) for some in (soon, ~soon))
     return Hole(
         side=view.side,
         edges=edges,
@@ -160,6 +178,9 @@ def measure_hole(view: SideView, members: NDArray[np.int_], places: F64, cells: 
         fill=min(fill, 1.0),
         lintel=_wall_over(view.wall, edges),
         pane=_pane(view, members, edges),
+        leaf=leaf,
+        passed=passed,
+        reveal=_reveal(view, members, edges, parameters.max_gap_m),
     )
 
 
@@ -180,6 +201,18 @@ def _pane(view: SideView, members: NDArray[np.int_], edges: F64) -> float:
     return max(
         covered_share(places[(layer == k) | (layer == k + 1)], edges, PANE_M) for k in range(int(WALL_M / LAYER_M))
     )
+
+
+def _reveal(view: SideView, members: NDArray[np.int_], edges: F64, max_gap_m: float) -> float:
+    """How deep the points along the left, right and upper edge of a hole go on from its wall, metres."""
+    behind = members[view.outbound[members] & (view.beyond[members] < max_gap_m)]
+    u, v = view.end[behind].T
+    left, bottom, right, top = edges
+    upright = (np.minimum(np.abs(u - left), np.abs(u - right)) < JAMB_M) & (v > bottom) & (v < top + JAMB_M)
+    level = (np.abs(v - top) < JAMB_M) & (u > left) & (u < right)
+    depths = np.sort(np.append(view.beyond[behind[upright | level]], 0.0))
+    wide = np.flatnonzero(np.diff(depths) > GAP_M)
+    return float(depths[wide[0]] if len(wide) else depths[-1])
 
 
 def _wall_over(wall: F64, edges: F64) -> float:

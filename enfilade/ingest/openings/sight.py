@@ -18,6 +18,21 @@ CLEAR_M: Final = 0.25
 SAMPLES: Final = 6
 """Places along each axis of a hole that are looked at."""
 
+FAR_M: Final = 0.3
+"""What lies less far behind a hole is of the wall."""
+
+OVER_FLOOR_M: Final = 0.3
+"""The ground outside may be as high as the floor; so low, nothing is asked of it."""
+
+INDOORS: Final = 1 / 3
+"""Share of the rays through a window that end in other rooms, at most: through their windows."""
+
+LEAST_IMAGE: Final = 30
+"""Fewest points that tell a mirror."""
+
+MIRRORED: Final = 0.5
+"""Share of the points behind a mirror that have a surface before it as their image, at least."""
+
 BITS: Final = 21
 
 
@@ -33,6 +48,7 @@ class Sight:
     """
 
     def __init__(self, surfels: Surfels, rays: Rays) -> None:
+        self._rays = rays
         self._occupied = np.unique(_keys(surfels.positions.astype(np.float64)))
         self._start = rays.start.astype(np.float64)
         self._room = np.full(len(rays.start), -1, dtype=np.int32)
@@ -48,6 +64,25 @@ class Sight:
         for scanner in own:
             free |= self._free(scanner, places, side.normal)
         return float(free.mean())
+
+    def leads_indoors(self, hole: Hole) -> bool:
+        """Whether more than a few of the rays through a hole come from or go to other rooms."""
+        rays, far = self._rays, hole.beyond > FAR_M
+        ray = hole.ray[far]
+        room = np.where(hole.outbound[far], rays.to_room[ray], rays.from_room[ray])
+        return bool(len(ray) > 0 and ((room >= 0) & (room != hole.side.room)).mean() > INDOORS)
+
+    def is_mirror(self, hole: Hole) -> bool:
+        """Whether what lies behind a hole is the mirror image of what lies before it."""
+        side = hole.side
+        behind = self._rays.ends(hole.ray[hole.outbound & (hole.beyond > FAR_M)])
+        behind = behind[behind[:, 2] > side.bounds[1] + OVER_FLOOR_M]
+        if len(behind) < LEAST_IMAGE:
+            return False
+        depth = side.offset - behind @ side.normal
+        key = _keys(behind + 2 * depth[:, None] * side.normal)
+        at = np.minimum(np.searchsorted(self._occupied, key), len(self._occupied) - 1)
+        return bool((self._occupied[at] == key).mean() > MIRRORED)
 
     def _free(self, scanner: F64, places: F64, normal: F64) -> Bool:
         """``(n,)``: whether nothing stands between a scanner and each place."""
