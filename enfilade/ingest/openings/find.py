@@ -6,6 +6,7 @@ from enfilade.ingest.openings.blind import find_blind_holes, open_blind
 from enfilade.ingest.openings.contacts import contact_sides
 from enfilade.ingest.openings.evidence import Walls
 from enfilade.ingest.openings.holes import Hole, find_holes
+from enfilade.ingest.openings.leaves import with_leaves
 from enfilade.ingest.openings.leads import group_holes, without_rivals
 from enfilade.ingest.openings.parameters import OpeningParameters
 from enfilade.ingest.openings.rays import SideViews, rays_of, told_by_sight
@@ -72,7 +73,7 @@ def find_openings(
     led = {id(lead.hole) for group in doors for lead in group.leads}
     blind += [hole for hole in holes if hole.side.vertical and id(hole) not in led]
     openings += open_blind(blind, walls, known, openings, surfels, Sight(surfels, rays), chosen)
-    return tuple(sorted(openings, key=_order))
+    return tuple(sorted(with_leaves(openings, surfels), key=_order))
 
 
 def _order(opening: Opening) -> tuple[int, int, tuple[float, ...]]:

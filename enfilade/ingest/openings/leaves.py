@@ -1,0 +1,120 @@
+"""How the leaf of a door stands: a leaf that stands ajar is an upright plate that reaches from a jamb out of the hole.
+
+All ways in which it may stand are tried: hung left or right, swung to either side, in either face of the wall. Those
+surfels that lie along such a plate and face across it have to cover much of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from itertools import product
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from enfilade.ingest.records import F64, Opening, Surfels
+
+I64 = NDArray[np.int64]
+
+ANGLES_DEG: Final = np.arange(0.0, 46.0, 3.0)
+"""Ways in which a leaf is looked for; one that is turned more is open."""
+
+CLOSED_DEG: Final = 5.0
+"""One that is turned less is closed."""
+
+DEPTHS_M: Final = np.arange(-0.3, 0.301, 0.04)
+"""Where the hinge may be, across the wall, from its middle."""
+
+PLATE_M: Final = 0.035
+"""Half the thickness in which the surfels of a leaf lie, with those of both its faces."""
+
+ACROSS: Final = 0.3
+"""Most that the normal of a surfel of the leaf goes along it."""
+
+CELL_M: Final = 0.15
+"""Side of the cells of a leaf that are looked for."""
+
+FOOT_M: Final = 0.2
+"""Nothing is asked so close to the floor and to the head of the door."""
+
+REACH: Final = 1.6
+"""A leaf that stands ajar ends no farther from the middle of its door, in widths of it."""
+
+LEVELS: Final = 1000
+"""More than there are cells above one another."""
+
+NEARLY: Final = 0.9
+"""Angles at which so much of the greatest share is covered are as good as the best."""
+
+COVERED: Final = 0.7
+"""Share of a leaf that was seen, at least."""
+
+
+def with_leaves(openings: Iterable[Opening], surfels: Surfels) -> list[Opening]:
+    """Say of the doors whose leaf stands ajar that it does.
+
+    Parameters
+    ----------
+    openings
+        Of any kind.
+    surfels
+        Of the building.
+
+    Returns
+    -------
+    All of them, in the order given.
+    """
+    upright = np.flatnonzero(np.abs(surfels.normals[:, 2]) < ACROSS)
+    tree = cKDTree(surfels.positions[upright, :2])
+    return [
+        replace(opening, state="ajar")
+        if opening.kind == "door" and stands_ajar(opening, surfels, upright, tree)
+        else opening
+        for opening in openings
+    ]
+
+
+def stands_ajar(opening: Opening, surfels: Surfels, upright: I64, tree: cKDTree) -> bool:
+    """Whether surfels cover the leaf of a door, and best so where it stands ajar."""
+    covered = leaf_covered(opening, surfels, upright, tree)
+    best = ANGLES_DEG[covered > NEARLY * covered.max()]  # a plate is thick, so some angles are as good
+    return bool(covered.max() > COVERED and best.mean() > CLOSED_DEG)
+
+
+def leaf_covered(opening: Opening, surfels: Surfels, upright: I64, tree: cKDTree) -> F64:
+    """Return the share of a door's leaf that surfels cover if it is turned by each of `ANGLES_DEG`.
+
+    Parameters
+    ----------
+    opening
+        The door.
+    surfels
+        Of the building.
+    upright, tree
+        Indices of the surfels that face sideways, and a tree of where they are in plan.
+    """
+    normal = opening.normal[:2] / np.linalg.norm(opening.normal[:2])
+    axes = np.array([[-normal[1], normal[0]], normal])
+    near = upright[tree.query_ball_point(opening.position[:2], REACH * opening.width)]
+    height = surfels.positions[near, 2] - (opening.position[2] - opening.height / 2)
+    inside = (height > FOOT_M) & (height < opening.height - FOOT_M)
+    near, level = near[inside], np.floor(height[inside] / CELL_M).astype(np.int64)
+    place, facing = (surfels.positions[near, :2] - opening.position[:2]) @ axes.T, surfels.normals[near, :2] @ axes.T
+    angle = np.radians(ANGLES_DEG)
+    cells = (opening.width - CELL_M / 2) * (opening.height - 2 * FOOT_M) / CELL_M**2
+    best = np.zeros(len(angle))
+    for hand, swing in product((-1.0, 1.0), repeat=2):
+        along = np.stack([-hand * np.cos(angle), swing * np.sin(angle)], axis=1)
+        across = np.stack([along[:, 1], -along[:, 0]], axis=1)
+        turned = np.abs(facing @ along.T) < ACROSS
+        for depth in DEPTHS_M:
+            way = place - [hand * opening.width / 2, depth]
+            reach = way @ along.T
+            on = turned & (np.abs(way @ across.T) < PLATE_M) & (reach > CELL_M / 2) & (reach < opening.width)
+            for k in np.flatnonzero(on.sum(axis=0) > best * cells):
+                cell = np.floor(reach[on[:, k], k] / CELL_M).astype(np.int64) * LEVELS + level[on[:, k]]
+                best[k] = max(best[k], len(np.unique(cell)) / cells)
+    return np.minimum(best, 1.0)
