@@ -263,3 +263,53 @@ def test_a_door_of_which_each_side_hides_another_half_is_one():
     known = {room.number: room for room in rooms}
     (group,) = group_holes(halves, rays_of(cloud, surfels, labels), known, OpeningParameters())
     assert len(group.leads) == 2
+
+
+def unscanned_hall():
+    """Rooms 0 and 1 with doors to a hall between them that no scanner stands in, and room 2 beside room 1."""
+    scene = BoxScene()
+    scene.room(0, (0, 0, 0), (4, 3, 2.5), holes={"x1": [DOOR]})
+    scene.room(1, (5.6, 0, 0), (9, 3, 2.5), holes={"x0": [DOOR]})
+    scene.room(2, (4.2, -2, 0), (5.4, 5, 2.5), skip=("x0", "x1"))
+    for at, sign in ((4.2, 1), (5.4, -1)):
+        scene.add(0, at, (-2.0, 0.0), (5.0, 2.5), sign, 2, holes=[DOOR])
+    scene.scanners = [((2.2, 1.3, 1.5), 0), ((7.0, 1.6, 1.5), 1)]
+    return scene
+
+
+def test_rooms_on_the_two_sides_of_a_hall_without_scans_have_no_door_between_them():
+    cloud, surfels, planes, labels, rooms = unscanned_hall().scan()
+    seen_wrongly = surfels.positions[:, 1] > 2.5  # a little of the hall was given to room 1
+    hall = labels.after == 2
+    after = np.where(hall, np.where(seen_wrongly, 1, -1), labels.after).astype(np.int32)
+    found = find_openings(cloud, surfels, planes, replace(labels, after=after), rooms[:2], ())
+    assert {(opening.room_a, opening.room_b) for opening in found} <= {(0, None), (1, None)}
+
+
+def test_a_window_that_shows_the_ground_outside_has_the_middle_of_its_wall():
+    """The sill is hidden by a chest, the ground 3 m below is seen, and the reveal is 0.3 m deep."""
+    scene = glazed_room()
+    scene.block((0.6, 2.3, 0.0), (2.6, 2.9, 0.85), 0)
+    low, high = (1.0, 0.9), (2.2, 2.0)
+    for x, sign in ((low[0], 1), (high[0], -1)):
+        scene.add(0, x, (3.0, low[1]), (3.3, high[1]), sign, 0, plane=False)
+    scene.add(2, high[1], (low[0], 3.0), (high[0], 3.3), -1, 0, plane=False)
+    scene.add(2, -1.0, (-20.0, 3.3), (20.0, 30.0), 1, -1, plane=False)
+    (window,) = openings_of(scene)[0]
+    assert (window.kind, window.room_b) == ("window", None)
+    np.testing.assert_allclose(window.position, [1.6, 3.15, 1.45], atol=0.06)
+
+
+def test_a_mirror_on_an_outer_wall_is_no_window():
+    """Behind the wall there is the image of the room."""
+    scene = glazed_room()
+    inner = list(scene.rectangles)
+    for r in inner:
+        if r.axis == 1:
+            scene.add(1, 6.0 - r.at, r.low, r.high, -r.sign, -1, plane=False)
+        else:
+            which = r.others.index(1)
+            low, high = list(r.low), list(r.high)
+            low[which], high[which] = 6.0 - r.high[which], 6.0 - r.low[which]
+            scene.add(r.axis, r.at, tuple(low), tuple(high), r.sign, -1, plane=False)
+    assert openings_of(scene)[0] == ()

@@ -12,9 +12,6 @@ from enfilade.ingest.openings.holes import Hole
 from enfilade.ingest.records import F64, Room
 from enfilade.ingest.sides import Side
 
-IN_LINE_M: Final = 12.0
-"""A wall is thought to go on for so far."""
-
 LEAST_GAP_M: Final = 0.02
 """Thinnest wall."""
 
@@ -49,34 +46,18 @@ class Behind:
         gaps = [(self._gap(self._walls[i], hole, centre), self._walls[i].room) for i in near]
         return sorted((gap, room) for gap, room in gaps if LEAST_GAP_M < gap < self._max_gap_m)
 
-    def room_in_line(self, hole: Hole) -> tuple[float, int] | None:
-        """Thickness and room of a wall that would stand behind a hole if it went on, as that of a corridor does.
-
-        Long walls are more likely to go on than short ones, near ones more than far ones.
-        """
-        centre = hole.centre
-        near = self._tree.query(Point(centre[:2]).buffer(IN_LINE_M))
-        possible = []
-        for wall in (self._walls[i] for i in near):
-            gap = self._gap(wall, hole, centre, IN_LINE_M) if wall.room != hole.side.room else float("inf")
-            if LEAST_GAP_M < gap < self._max_gap_m:
-                u = centre @ wall.u
-                apart = max(wall.bounds[0] - u, u - wall.bounds[2])
-                possible.append((apart - (wall.bounds[2] - wall.bounds[0]), gap, wall.room))
-        return min(possible)[1:] if possible else None
-
-    def _gap(self, wall: Side, hole: Hole, centre: F64, beside_m: float = 0.0) -> float:
+    def _gap(self, wall: Side, hole: Hole, centre: F64) -> float:
         """Thickness between a hole and a wall that faces away and reaches across it, else infinity."""
         u, v = centre @ wall.u, centre @ wall.v
         low, high = wall.bounds[:2], wall.bounds[2:]
-        across = low[0] - beside_m < u < high[0] + beside_m and low[1] < v < high[1]
+        across = low[0] < u < high[0] and low[1] < v < high[1]
         if not across or wall.normal @ hole.side.normal > FACING:
             return float("inf")
         return float(wall.normal @ centre - wall.offset) * -1.0
 
 
-def another_room_behind(hole: Hole, rooms: Mapping[int, Room], max_gap_m: float) -> bool:
-    """Whether another room lies behind a hole; the plan of its own may have parts that were seen through it."""
+def room_of_plan_behind(hole: Hole, rooms: Mapping[int, Room], max_gap_m: float) -> int | None:
+    """Another room whose plan lies behind a hole; the plan of its own may have parts that were seen through it."""
     level = float(hole.centre[2])
     behind = [Point((hole.centre - depth * hole.side.normal)[:2]) for depth in (max_gap_m, 2 * max_gap_m)]
     for room in rooms.values():
@@ -84,5 +65,5 @@ def another_room_behind(hole: Hole, rooms: Mapping[int, Room], max_gap_m: float)
         if room.number != hole.side.room and room.outline and room.floor_elevation < level < ceiling:
             plan = Polygon(room.outline[0])
             if any(plan.contains(place) for place in behind):
-                return True
-    return False
+                return room.number
+    return None

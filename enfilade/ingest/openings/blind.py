@@ -14,7 +14,7 @@ import numpy as np
 from scipy import ndimage
 from scipy.spatial import cKDTree
 
-from enfilade.ingest.openings.behind import Behind, another_room_behind
+from enfilade.ingest.openings.behind import Behind, room_of_plan_behind
 from enfilade.ingest.openings.confidence import probability
 from enfilade.ingest.openings.grid import Grid, bridged, opened, values
 from enfilade.ingest.openings.holes import Hole, measure_hole
@@ -141,9 +141,10 @@ def _opening(
     is_door = at_floor and is_high and hole.width < parameters.max_closed_width_m
     is_open = hole.passed > 0.5 and hole.leaf < 0.5
     other = next(((gap, number) for gap, number in around if number != room.number), None)
-    if other is None and is_door and not is_open:
-        other = behind.room_in_line(hole)
-    if other is None and (around or another_room_behind(hole, rooms, parameters.max_gap_m) or sight.leads_indoors(hole)):
+    planned = room_of_plan_behind(hole, rooms, parameters.max_gap_m) if other is None else None
+    if is_door and not is_open and planned is not None:
+        other = (hole.reveal, planned)
+    if other is None and (around or planned is not None or sight.leads_indoors(hole)):
         return None
     if other is not None and (not is_door or is_open or hole.leaf < 0.5):
         return None

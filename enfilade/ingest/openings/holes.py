@@ -23,7 +23,10 @@ WALL_M: Final = 0.3
 """Leaves and panes are no deeper behind the face of a wall."""
 
 PANE_M: Final = 0.1
-"""Side of the cells in which a pane is looked for."""
+"""Side of the cells in which a pane is looked for, at least, ..."""
+
+PANE_RAYS: Final = 50
+"""... and so large that so many rays go through each: glass sends few back."""
 
 LAYER_M: Final = 0.03
 """Two layers of this thickness hold a pane or a leaf."""
@@ -198,8 +201,11 @@ def _pane(view: SideView, members: NDArray[np.int_], edges: F64) -> float:
     places = np.concatenate([view.wall, view.end[within]])
     depths = np.concatenate([np.zeros(len(view.wall)), view.beyond[within]])
     layer = np.floor(depths / LAYER_M).astype(int)
+    size = np.maximum(edges[2:] - edges[:2], PANE_M)
+    enough = float(np.sqrt(PANE_RAYS * size.prod() / max(len(members), 1)))
+    cell_m = min(max(PANE_M, enough), float(size.min()) / 5)
     return max(
-        covered_share(places[(layer == k) | (layer == k + 1)], edges, PANE_M) for k in range(int(WALL_M / LAYER_M))
+        covered_share(places[(layer == k) | (layer == k + 1)], edges, cell_m) for k in range(int(WALL_M / LAYER_M))
     )
 
 

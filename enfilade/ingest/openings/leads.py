@@ -25,6 +25,9 @@ CLOSE_M = 1.2
 LEAST_COMMON_M = 0.05
 """Holes in the two faces of a wall that overlap by this much are one."""
 
+LEAST_KNOWN = 0.4
+"""Share of the vote that a room has against what is of no room, at least: else a space that is no room lies between."""
+
 NEAR_M = 1.0
 """A ray that ends this far behind a hole counts 1/e in the vote for the room there."""
 
@@ -144,16 +147,17 @@ def _lead(
     """Ask the rays through a hole which room is behind it; None if it is the room itself, or none that begins there."""
     room = hole.side.room
     far = np.where(hole.outbound, rays.to_room[hole.ray], rays.from_room[hole.ray])
-    far[hole.beyond < parameters.max_gap_m] = -1  # on the reveal, which has no say
     weight = np.exp(-hole.beyond / NEAR_M)
+    weight[hole.beyond < parameters.max_gap_m] = 0.0  # on the reveal, which has no say
+    unknown = float(weight[far < 0].sum())
     same = float(weight[far == room].sum())
-    others = (far != room) & (far >= 0)
+    others = (far != room) & (far >= 0) & (weight > 0.0)
     if others.sum() < parameters.min_rays:
         return None
     votes = np.bincount(far[others], weight[others])
     total = float(votes.sum()) + same
     for other in np.argsort(-votes, kind="stable").tolist():
-        if votes[other] == 0.0:
+        if votes[other] <= unknown * (1.0 / LEAST_KNOWN - 1.0):
             break
         if other in plans and _begins_behind(hole, far == other, plans[other], parameters):
             lead = Lead(hole, other, float(votes[other]), float(votes[other]) / total, same / total)
