@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from shapely import STRtree, box
+from shapely import Polygon, STRtree, box
 
+from enfilade.ingest.borders import Border, plan_borders, plan_of, top
 from enfilade.ingest.records import Neighbour, Planes, Room, RoomLabels, Surfels
 from enfilade.ingest.sides import Patch, axes, cut_by_room
 
@@ -24,7 +26,7 @@ class NeighbourParameters:
     max_slab_m
         Thickest floor slab, suspended ceiling included.
     min_area_m2
-        Least area that the two sides share.
+        Least area of the wall or slab between two rooms.
     max_angle_deg
         How far two sides may be from parallel.
     cell_m
@@ -35,7 +37,7 @@ class NeighbourParameters:
 
     max_gap_m: float = 0.6
     max_slab_m: float = 0.8
-    min_area_m2: float = 0.3
+    min_area_m2: float = 0.5
     max_angle_deg: float = 10.0
     cell_m: float = 0.1
     min_surfels: int = 30
@@ -48,6 +50,7 @@ class _Contact:
     planes: tuple[int, int]
     gap: float
     area: float
+    level: bool
 
 
 def find_neighbours(
@@ -59,8 +62,11 @@ def find_neighbours(
 ) -> tuple[Neighbour, ...]:
     """Find the pairs of rooms that stand back to back.
 
-    Parts of planes, one a room, whose normals point away from each other and that are closer than a wall is thick
-    are laid over each other in their common plane; the cells that hold points of both are the shared area.
+    Two rooms are neighbours if their plans say so: where the other room begins straight ahead behind a wall, or its
+    floor is over the ceiling. Parts of planes, one a room, whose normals point away from each other and that are
+    closer than a wall is thick, say which planes these are and how far apart: they are laid over each other in their
+    common plane, and the cells that hold points of both are the shared area. They count alone where a plan is not known
+    or ends short of the wall.
 
     Parameters
     ----------
@@ -73,7 +79,8 @@ def find_neighbours(
 
     Returns
     -------
-    Neighbours ordered by room numbers; the gap is the mean over all pairs of planes, weighted with their area.
+    Neighbours ordered by room numbers; the gap is the mean over all pairs of planes, weighted with their area, or
+    that of the plans where there is none.
     """
     chosen = parameters if parameters is not None else NeighbourParameters()
     known = {room.number for room in rooms}
@@ -84,8 +91,17 @@ def find_neighbours(
         contact = _overlay(a, b, surfels, chosen)
         if contact is not None:
             contacts[a.room, b.room].append(contact)
-    found = (_neighbour(pair, contacts[pair]) for pair in sorted(contacts))
-    return tuple(neighbour for neighbour in found if neighbour.area >= chosen.min_area_m2)
+    plans = {room.number: plan for room in rooms if (plan := plan_of(room)) is not None}
+    borders = {
+        (a, b): border
+        for a, b, border in plan_borders(rooms, plans, max_gap_m=chosen.max_gap_m, max_slab_m=chosen.max_slab_m)
+    }
+    number = {room.number: room for room in rooms}
+    found = (
+        _neighbour((number[a], number[b]), contacts.get((a, b), []), borders.get((a, b)), plans, chosen.min_area_m2)
+        for a, b in sorted(contacts.keys() | borders.keys())
+    )
+    return tuple(neighbour for neighbour in found if neighbour is not None)
 
 
 def _candidates(patches: list[Patch], surfels: Surfels, parameters: NeighbourParameters) -> list[tuple[Patch, Patch]]:
@@ -124,7 +140,7 @@ def _overlay(a: Patch, b: Patch, surfels: Surfels, parameters: NeighbourParamete
     behind = a.offset - surfels.positions[b.surfels] @ a.normal
     on_shared = np.isin(_cell_keys(b, a, surfels, parameters.cell_m), shared)
     gap = float(np.median(behind[on_shared]))
-    return _Contact((a.plane, b.plane), gap, len(shared) * parameters.cell_m**2)
+    return _Contact((a.plane, b.plane), gap, len(shared) * parameters.cell_m**2, abs(a.normal[2]) > np.sqrt(0.5))
 
 
 def _cell_keys(patch: Patch, frame: Patch, surfels: Surfels, cell_m: float) -> NDArray[np.int64]:
@@ -138,8 +154,28 @@ def _cells(patch: Patch, frame: Patch, surfels: Surfels, cell_m: float) -> NDArr
     return np.unique(_cell_keys(patch, frame, surfels, cell_m))
 
 
-def _neighbour(pair: tuple[int, int], contacts: list[_Contact]) -> Neighbour:
-    areas = np.array([contact.area for contact in contacts])
-    gaps = np.array([contact.gap for contact in contacts])
-    planes = tuple(sorted(contact.planes for contact in contacts))
-    return Neighbour(pair[0], pair[1], float(np.average(gaps, weights=areas)), float(areas.sum()), planes)
+def _neighbour(
+    rooms: tuple[Room, Room], contacts: list[_Contact], border: Border | None, plans: Mapping[int, Polygon], least: float
+) -> Neighbour | None:
+    """Make an edge of what planes and plans say of two rooms; None where that is less than the least area."""
+    if border is not None:
+        contacts = [contact for contact in contacts if contact.level == border.level] or contacts
+    seen = sum(contact.area for contact in contacts if _possible(contact, rooms, plans, least))
+    by_plans = 0.0 if border is None else border.area
+    if max(seen, by_plans) < least:
+        return None
+    gap = 0.0 if border is None else border.gap
+    if contacts:
+        gap = float(np.average([c.gap for c in contacts], weights=[c.area for c in contacts]))
+    pairs = tuple(sorted(contact.planes for contact in contacts))
+    return Neighbour(rooms[0].number, rooms[1].number, gap, max(seen, by_plans), pairs)
+
+
+def _possible(contact: _Contact, rooms: tuple[Room, Room], plans: Mapping[int, Polygon], least: float) -> bool:
+    """Whether planes of two rooms can be back to back: one room over the other, or both at one height."""
+    a, b = rooms
+    if not contact.level:
+        return min(top(a), top(b)) > max(a.floor_elevation, b.floor_elevation)
+    if a.number not in plans or b.number not in plans:
+        return True
+    return bool(plans[a.number].intersection(plans[b.number]).area >= least)
