@@ -14,6 +14,8 @@ from .structure import Structure
 
 I64 = NDArray[np.int64]
 _RIVALS: Final = 6
+_LEVEL_STEP_M: Final = 0.1
+"""Viewpoints this close in height are equally high."""
 _SHORT_OF_WALL: Final = 0.95
 _GOLDEN: Final = (np.sqrt(5.0) - 1.0) / 2.0
 
@@ -44,6 +46,8 @@ class SightParameters:
         Width of the pieces of wall that are each found open or closed.
     least_wall_m
         So much wall at least must lie between what two scans overlook to be asked alone.
+    wide_m
+        A hole up to the ceiling that is this wide leaves one room, whatever wall there is beside it.
     """
 
     reach_m: float = 20.0
@@ -56,6 +60,7 @@ class SightParameters:
     wall_m: float = 0.6
     piece_m: float = 0.1
     least_wall_m: float = 0.5
+    wide_m: float = 2.2
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,10 +105,29 @@ def compare_views(
     pairs = np.sort(cKDTree(scanners).query_pairs(parameters.reach_m, output_type="ndarray"), axis=1)
     pairs = pairs[np.abs(scanners[pairs[:, 0], 2] - scanners[pairs[:, 1], 2]) <= parameters.level_m]
     pairs = pairs[np.lexsort(pairs.T[::-1])]
+    viewpoints, ends = _levelled(scanners, viewpoints, pairs)
     places = _free_places(structure, viewpoints, parameters)
     own = _own_places(structure, viewpoints, places) & _roofed(structure, places)
-    openness = np.array([_openness(structure, planes, viewpoints, places, own, a, b, parameters) for a, b in pairs])
+    openness = np.array([_openness(structure, planes, viewpoints, places, own, a, b, parameters) for a, b in ends])
     return Views(pairs, openness.reshape(-1))
+
+
+def _levelled(scanners: F32, viewpoints: F32, pairs: I64) -> tuple[F32, I64]:
+    """Add viewpoints so that the two of each pair are equally high, under the lower of their ceilings.
+
+    Returns all viewpoints, first those given, and ``(n, 2)`` which of them are compared for each pair. None is let down
+    below the scanners of its pair; the two stay where they are instead.
+    """
+    height, least = viewpoints[:, 2][pairs], scanners[:, 2][pairs].max(axis=1, initial=-np.inf)
+    low = height.min(axis=1, initial=np.inf)
+    pair, end = np.nonzero((height > low[:, None] + _LEVEL_STEP_M) & (low >= least)[:, None])
+    level = np.round(low / _LEVEL_STEP_M).astype(np.int64)
+    asked, place = np.unique(np.stack([pairs[pair, end], level[pair]], axis=1), axis=0, return_inverse=True)
+    more = viewpoints[asked[:, 0]]
+    more[:, 2] = asked[:, 1] * _LEVEL_STEP_M
+    ends = pairs.copy()
+    ends[pair, end] = len(viewpoints) + place.reshape(-1)
+    return np.concatenate([viewpoints, more]), ends
 
 
 def _free_places(structure: Structure, lifted: F32, parameters: SightParameters) -> F32:
@@ -164,17 +188,24 @@ def _openness(
     lines = _lines(structure, planes, places[a], places[b], own[a], own[b], parameters)
     seen = lines.thickness == 0.0
     walled = ~seen & (lines.thickness < parameters.wall_m) & planes.vertical[lines.plane]
-    if seen.sum() < parameters.least_sight * max(len(seen), 1):
-        return 0.0 if walled.sum() >= parameters.least_walled * max(len(seen), 1) and len(seen) else float("nan")
-    if walled.sum() < parameters.least_walled * (seen.sum() + walled.sum()):
-        return 1.0
+    blind = seen.sum() < parameters.least_sight * max(len(seen), 1)
+    if walled.sum() < parameters.least_walled * (len(seen) if blind else seen.sum() + walled.sum()) or not len(seen):
+        return float("nan") if blind else 1.0
     wall = int(np.argmax(np.bincount(lines.plane[walled])))
     normal, offset = planes.normals[wall], float(planes.offsets[wall])
     if np.mean(lines.starts[walled & (lines.plane == wall)] @ normal > offset) < 0.5:
         normal, offset = -normal, -offset
-    past = _crossing(lines, normal, offset)[seen | walled].mean()
+    crosses = _crossing(lines, normal, offset)
     here, there = places[a][places[a] @ normal > offset], places[b][places[b] @ normal < offset]
-    return 1.0 - float(past) * (1.0 - _open_share(structure, viewpoints, (a, b), here, there, normal, offset, parameters))
+    if not (len(here) and len(there)):
+        return float("nan") if blind else 1.0
+    border = _border(structure, viewpoints, (a, b), here, there, normal, offset, parameters)
+    if blind:
+        return float("nan") if border.holes_m().max() >= parameters.wide_m else 0.0
+    through = _places_on(lines, crosses & seen, normal, offset)
+    if len(through) and border.hole_at(float(np.median(through))) >= parameters.wide_m:
+        return 1.0
+    return 1.0 - float(crosses[seen | walled].mean()) * (1.0 - border.open_share(parameters.least_wall_m))
 
 
 def _crossing(lines: _Lines, normal: F32, offset: float) -> Bool:
@@ -182,7 +213,57 @@ def _crossing(lines: _Lines, normal: F32, offset: float) -> Bool:
     return np.asarray((lines.starts @ normal - offset) * (lines.ends @ normal - offset) < 0.0)
 
 
-def _open_share(
+def _places_on(lines: _Lines, chosen: Bool, normal: F32, offset: float) -> F32:
+    """``(k,)``: where along a wall the chosen lines, which cross it, do so, metres."""
+    starts, ends = lines.starts[chosen], lines.ends[chosen]
+    from_wall = starts @ normal - offset
+    share = from_wall / (from_wall - (ends @ normal - offset))
+    return np.asarray((starts + share[:, None] * (ends - starts)) @ _along(normal), np.float32)
+
+
+def _along(normal: F32) -> F32:
+    return np.array([-normal[1], normal[0], 0.0], np.float32)
+
+
+@dataclass(frozen=True, slots=True)
+class _Border:
+    """The line of a wall between two scans in pieces: ``(n,)`` each, in order.
+
+    Attributes
+    ----------
+    along
+        Where, metres.
+    closed
+        Whether there is wall.
+    seen
+        Whether some viewpoint looks at its front, and some at its back.
+    theirs
+        Whether the one scan looks at its front and the other at its back, and no third from nearer.
+    """
+
+    along: F32
+    closed: Bool
+    seen: Bool
+    theirs: Bool
+    piece_m: float
+
+    def holes_m(self) -> F64:
+        """``(n,)``: width of the hole that each piece is in, metres, 0 where none is."""
+        passable = self.seen & ~self.closed
+        number = np.cumsum(np.diff(passable, prepend=False) | ~passable)
+        return np.where(passable, np.bincount(number)[number] * self.piece_m, 0.0)
+
+    def hole_at(self, place: float) -> float:
+        """Return the width of the hole at a place, 0 if there is none, metres."""
+        return float(self.holes_m()[np.argmin(np.abs(self.along - place))])
+
+    def open_share(self, least_m: float) -> float:
+        """Return the open share of what the two look at alone, or of all if that is too little."""
+        enough = self.theirs.sum() * self.piece_m >= least_m
+        return float(1.0 - self.closed[self.theirs if enough else slice(None)].mean())
+
+
+def _border(
     structure: Structure,
     viewpoints: F32,
     pair: tuple[int, int],
@@ -191,22 +272,19 @@ def _open_share(
     normal: F32,
     offset: float,
     parameters: SightParameters,
-) -> float:
-    """Share of a wall's line that is open, as far along as one viewpoint looks at its front and the other at its back."""
-    if not (len(here) and len(there)):
-        return 1.0
-    along = np.array([-normal[1], normal[0], 0.0], np.float32)
+) -> _Border:
+    """Cut the line of a wall in pieces, as far along as places `here` before it and `there` behind it both reach."""
+    along = _along(normal)
     first = float(max((here @ along).min(), (there @ along).min()))
     last = float(min((here @ along).max(), (there @ along).max()))
-    pieces = np.arange(first, max(first, last) + parameters.piece_m / 2.0, parameters.piece_m)
+    pieces = np.arange(first, max(first, last) + parameters.piece_m / 2.0, parameters.piece_m, dtype=np.float32)
     on_wall = (pieces[:, None] * along + offset * normal).astype(np.float32)
     on_wall[:, 2] = (here[:, 2].mean() + there[:, 2].mean()) / 2.0
     across = parameters.wall_m * np.array([normal[0], normal[1], 0.0], np.float32)
     front, back = on_wall + across / 2.0, on_wall - across
-    between = _overlooked(structure, viewpoints, front, pair) & _overlooked(structure, viewpoints, back, pair[::-1])
-    if between.sum() * parameters.piece_m < parameters.least_wall_m:
-        between[:] = True
-    return float(1.0 - structure.blocked(front[between], back[between]).mean())
+    seen = _seen_by_any(structure, viewpoints, front) & _seen_by_any(structure, viewpoints, back)
+    theirs = _overlooked(structure, viewpoints, front, pair) & _overlooked(structure, viewpoints, back, pair[::-1])
+    return _Border(pieces, structure.blocked(front, back), seen, theirs, parameters.piece_m)
 
 
 def _overlooked(structure: Structure, viewpoints: F32, places: F32, pair: tuple[int, int]) -> Bool:
@@ -215,6 +293,14 @@ def _overlooked(structure: Structure, viewpoints: F32, places: F32, pair: tuple[
     nearer = np.where(_distance(places, first) < _distance(places, second), *pair)
     seen = ~structure.blocked(places, np.broadcast_to(first, places.shape))
     return seen & _owned(structure, viewpoints, places, nearer)
+
+
+def _seen_by_any(structure: Structure, viewpoints: F32, places: F32) -> Bool:
+    """``(n,)``: places that one of the nearest viewpoints overlooks."""
+    count = min(_RIVALS, len(viewpoints))
+    nearest = np.atleast_2d(cKDTree(viewpoints).query(places, k=count)[1].reshape(len(places), count))
+    blocked = structure.blocked(np.repeat(places, count, axis=0), viewpoints[nearest.reshape(-1)])
+    return np.asarray(~blocked.reshape(len(places), count).all(axis=1))
 
 
 def _lines(

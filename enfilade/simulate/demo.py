@@ -113,7 +113,7 @@ def _ground_holes() -> tuple[Hole, ...]:
         Hole("door", (None, "Hall"), (0.15, 4.4), 1.0, 2.1, leaf=Leaf()),
         Hole("door", ("Bath", "Hall"), (2.9, 3.525), 0.8, 2.0),
         Hole("door", ("Study", "Hall"), (5.2, 3.525), 0.9, 2.05),
-        Hole("passage", ("Kitchen", "Living room"), (9.5, 3.525), 2.4, 2.6),
+        Hole("passage", ("Kitchen", "Living room"), (9.5, 3.525), 1.5, 2.6),
         Hole("door", ("Kitchen", "Study"), (6.15, 2.2), 0.7, 2.0),
         Hole("door", ("Living room", "Hall"), (6.15, 4.4), 1.2, 2.1),
         Hole("door", ("Living room", "Storage"), (6.15, 8.4), 0.8, 2.0, leaf=Leaf()),

@@ -25,8 +25,9 @@ _KEPT_CLEAR_M = 0.95
 _GOING_M = 0.28
 _NARROW_M = 0.76
 _PARAPET_M = 0.9
-_PARTING, _JOINING = 0.4, 0.62
-"""A passage up to the ceiling takes at most, or at least, this share of the wall, so that it is clear what it does."""
+_PARTING, _JOINING = (0.4, 1.7), (0.62, 2.7)
+"""A passage up to the ceiling takes at most both, or at least one, of this share of the wall and this width in metres:
+it is clear what it does."""
 _EVERYWHERE = shapely.box(-200.0, -200.0, 300.0, 300.0)
 
 
@@ -194,7 +195,7 @@ class Storey:
             width = round(float(self.random.uniform(*span)), 2)
             if not lintel:
                 width = _clear_cut(
-                    width, length, may_join=width > sum(span) / 2 and wall.length - 0.6 > _JOINING * length
+                    width, length, may_join=width > sum(span) / 2 and wall.length - 0.6 > _joining(length)
                 )
             height = round(headroom - 0.3, 2) if lintel else headroom
             spot = self._spot(a, b, wall, width, height)
@@ -343,4 +344,11 @@ class Storey:
 
 def _clear_cut(width: float, length: float, *, may_join: bool) -> float:
     """Return a width near `width` at which a passage clearly joins, or parts, two rooms with a wall of `length`."""
-    return round(max(width, _JOINING * length) if may_join else min(width, _PARTING * length), 2)
+    share, most = _PARTING
+    return round(max(width, _joining(length)) if may_join else min(width, share * length, most), 2)
+
+
+def _joining(length: float) -> float:
+    """Return the least width of a passage that clearly joins two rooms with a wall of a length between them."""
+    share, least = _JOINING
+    return min(share * length, least)

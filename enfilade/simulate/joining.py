@@ -11,14 +11,14 @@ from shapely import Polygon
 from .linking import stretches
 from .plan import Hole, Level, Plan, Space
 from .polygons import polygon_of
-from .spaces import WALL_LESS_SHARE
+from .spaces import WALL_LESS_M, WALL_LESS_SHARE
 from .tunnels import tunnel_of
 
 _GRID_M = 1e-4
 
 
 def joined(plan: Plan) -> Plan:
-    """Make one space of those that a passage joins which takes more than half of the wall between them.
+    """Make one space of those that a wide passage joins, or one that takes more than half of the wall between them.
 
     They must have floor and roof in common: a space has one of each.
     """
@@ -46,7 +46,7 @@ def _joins(hole: Hole, level: Level) -> bool:
         return False
     first, second = (space for name in hole.rooms for space in level.spaces if space.name == name)
     alike = (first.floor, first.roof) == (second.floor, second.roof)
-    return alike and open_share(hole, level.spaces) > WALL_LESS_SHARE
+    return alike and (hole.width >= WALL_LESS_M or open_share(hole, level.spaces) > WALL_LESS_SHARE)
 
 
 def _level_joined(level: Level, plan: Plan, name_of: dict[str, str]) -> Level:

@@ -29,7 +29,9 @@ _WALL_AT_MOST_M = 0.6
 _ROW_STEP_M = 0.15
 _HEIGHT_AT_LEAST_M = 1.0
 WALL_LESS_SHARE = 0.5
-"""Two spaces are one room where more than this of the wall between them is open up to the ceiling."""
+"""Two spaces are one room where more than this of the wall between them is open up to the ceiling, ..."""
+WALL_LESS_M = 2.2
+"""... or so much of it in one piece."""
 _WHOLE = 0.9
 _SIDE_AT_LEAST_M = 0.8
 _STRAIGHT = 0.9
@@ -76,8 +78,11 @@ class Border:
     def wall_less(self) -> bool:
         """Whether no wall or lintel parts the two.
 
-        So it is where most of the boundary, or a whole side of it, is open up to the ceiling.
+        So it is where most of the boundary, a whole side of it, or more than the width of any door is open up to the
+        ceiling.
         """
+        if any(len(run) * COLUMN_STEP_M >= WALL_LESS_M for run in self.stretches(np.flatnonzero(self.open_top))):
+            return True
         whole_side = any(
             len(side) * COLUMN_STEP_M >= _SIDE_AT_LEAST_M and self.open_top[side].mean() > _WHOLE
             for side in self.sides()

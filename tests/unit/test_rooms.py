@@ -71,6 +71,24 @@ def test_a_passage_up_to_the_ceiling_over_most_of_the_wall_leaves_one_room(
     assert len(set(build(scans(Door(4.075, (start, end), 2.6))).groups.scan_room.tolist())) == rooms
 
 
+@pytest.mark.parametrize(("end", "rooms"), [(2.2, 2), (3.2, 1)])
+def test_a_hole_wider_than_any_door_leaves_one_room_beside_a_long_wall(end: float, rooms: int) -> None:
+    left = Box((0.0, 0.0, 0.0), (4.0, 8.0, 2.5), (1.5, 3.2, 1.5), "left")
+    right = Box((4.15, 0.0, 0.0), (8.0, 8.0, 2.5), (6.5, 3.8, 1.5), "right")
+    parts = [scan(box, [left, right], Door(4.075, (0.6, end), 2.6), spacing=0.03) for box in (left, right)]
+    assert len(set(build(parts).groups.scan_room.tolist())) == rooms
+
+
+@pytest.mark.parametrize(("top", "rooms"), [(2.1, 2), (2.6, 1)])
+def test_a_high_part_of_a_room_and_a_low_one_are_one_room(top: float, rooms: int) -> None:
+    """They are looked at under the lower ceiling, where only a lintel parts them."""
+    low = Box((0.0, 0.0, 0.0), (4.0, 3.0, 2.5), (1.5, 1.2, 1.5), "low")
+    high = Box((4.02, 0.0, 0.0), (8.0, 3.0, 4.5), (6.5, 1.8, 2.2), "high")
+    hole = Door(4.01, (-0.1, 3.1) if rooms == 1 else (1.0, 1.9), top)
+    parts = [scan(box, [low, high], hole) for box in (low, high)]
+    assert len(set(build(parts).groups.scan_room.tolist())) == rooms
+
+
 def test_a_room_far_along_a_corridor_is_not_joined_to_it_by_what_is_seen_at_a_slant() -> None:
     corridor = Box((0.0, 0.0, 0.0), (1.6, 16.0, 2.5), (0.6, 2.0, 1.5), "corridor")
     room = Box((1.75, 11.0, 0.0), (5.5, 15.0, 2.5), (3.6, 13.6, 1.5), "room")

@@ -17,7 +17,7 @@ from enfilade.simulate.locate import Locator
 from enfilade.simulate.plan import Hole, Level, Plan, Run, Space, Stairs, rectangle
 from enfilade.simulate.recipes import CORPUS, recipe_of
 from enfilade.simulate.roofs import Roof
-from enfilade.simulate.spaces import WALL_LESS_SHARE
+from enfilade.simulate.spaces import WALL_LESS_M, WALL_LESS_SHARE
 
 ROOMS = (Space("A", rectangle(0, 4, 0, 3)), Space("B", rectangle(4.2, 8, 0, 3)), Space("C", rectangle(0, 8, 3.2, 6)))
 """A and B side by side with 3 m of wall between them, C along both."""
@@ -38,6 +38,16 @@ def test_a_passage_over_more_than_half_of_the_wall_leaves_one_room(width: float)
     assert open_share(hole, ROOMS) == pytest.approx(hole.width / 3.0, abs=0.01)
     count = len(joined(plan_of(hole)).levels[0].spaces)
     assert count == (2 if hole.width > 1.5 else 3)
+
+
+WIDE_ROOMS = (Space("A", rectangle(0, 4, 0, 7)), Space("B", rectangle(4.2, 8, 0, 7)))
+
+
+@pytest.mark.parametrize(("width", "rooms"), [(2.1, 2), (2.3, 1)])
+def test_a_passage_wider_than_any_door_leaves_one_room_beside_whatever_wall(width: float, rooms: int) -> None:
+    level = Level("Ground", 0.0, 2.5, WIDE_ROOMS, (passage(width),))
+    plan = Plan("plan", rectangle(-0.3, 8.3, -0.3, 7.3), (level,), garden=0.0)
+    assert len(joined(plan).levels[0].spaces) == rooms
 
 
 def test_a_lintel_parts_two_rooms_however_wide_the_way_is() -> None:
@@ -93,16 +103,19 @@ def test_three_rooms_in_a_row_become_one_and_its_stairs_lead_on() -> None:
 
 
 def test_no_passage_of_a_generated_building_is_near_the_border() -> None:
-    shares = [
-        open_share(hole, level.spaces)
+    passages = [
+        (open_share(hole, level.spaces), hole.width)
         for seed in CORPUS
         if "wide passages" in recipe_of(seed).features
         for level in generated_plan(seed).levels
         for hole in level.holes
         if hole.kind == "passage"
     ]
-    assert min(shares) < WALL_LESS_SHARE < max(shares)
-    assert all(abs(share - WALL_LESS_SHARE) > 0.09 for share in shares)
+    joining = [share > WALL_LESS_SHARE + 0.09 or width > WALL_LESS_M + 0.4 for share, width in passages]
+    parting = [share < WALL_LESS_SHARE - 0.09 and width < WALL_LESS_M - 0.4 for share, width in passages]
+    assert any(joining)
+    assert any(parting)
+    assert all(a or b for a, b in zip(joining, parting, strict=True))
 
 
 def test_a_generated_loft_has_fewer_rooms_than_spaces() -> None:
