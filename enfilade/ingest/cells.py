@@ -13,6 +13,7 @@ from enfilade.errors import InputError
 
 from .parallel import in_slices
 from .records import F32, F64, I32, Bool
+from .sorting import sort_above
 
 I64 = NDArray[np.int64]
 _SORTABLE_BITS: Final = 63
@@ -130,13 +131,14 @@ class Gathered:
         Where a key and an index fit into 63 bits together, that is what is sorted: without looking things up by
         index, which is what takes time in an indirect sort.
         """
-        bits = max(1, len(keys) - 1).bit_length()
-        if int(keys.max(initial=0)).bit_length() + bits > _SORTABLE_BITS:
+        bits, key_bits = max(1, len(keys) - 1).bit_length(), int(keys.max(initial=0)).bit_length()
+        if key_bits + bits > _SORTABLE_BITS:
             order = np.argsort(keys, kind="stable")
             bounds = np.append(np.flatnonzero(np.diff(keys[order], prepend=-1)), len(keys))
             return cls(order, bounds, keys[order[bounds[:-1]]])
-        packed = (keys << bits) | np.arange(len(keys))
-        packed.sort()
+        packed = keys << bits
+        packed |= np.arange(len(keys))
+        packed = sort_above(packed, bits, key_bits)
         bounds = _bounds(packed, bits)
         group_keys = packed[bounds[:-1]] >> bits
         packed &= (1 << bits) - 1

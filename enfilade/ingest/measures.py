@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numba import njit
 
-from .records import Plan, Room, RoomLabels, Surfels, ThinnedCloud
+from .records import I32, Plan, Room, RoomLabels, Surfels, ThinnedCloud
 
 
 def measure_rooms(cloud: ThinnedCloud, surfels: Surfels, labels: RoomLabels, plans: Sequence[Plan]) -> tuple[Room, ...]:
     """Measure every room, in order of number."""
     order = np.argsort(labels.after, kind="stable")
     ends = np.cumsum(np.bincount(labels.after + 1, minlength=labels.room_count + 1))
-    point_counts = np.bincount(surfels.point_surfel + 1, minlength=len(labels.after) + 1)[1:]
+    point_counts = _counted(surfels.point_surfel, len(labels.after))
     counts = np.bincount(labels.after + 1, point_counts, labels.room_count + 1)[1:]
     rooms = []
     for number, plan in enumerate(plans):
@@ -36,3 +37,13 @@ def measure_rooms(cloud: ThinnedCloud, surfels: Surfels, labels: RoomLabels, pla
             )
         )
     return tuple(rooms)
+
+
+@njit(cache=True, nogil=True)
+def _counted(numbers: I32, count: int) -> I32:
+    """``(count,)`` how often each number from 0 on is there."""
+    counts = np.zeros(count, np.int32)
+    for number in numbers:
+        if number >= 0:
+            counts[number] += 1
+    return counts

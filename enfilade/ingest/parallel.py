@@ -1,19 +1,33 @@
-"""Compiled loops on all processors: threads, for compiled code lets go of Python's lock."""
+"""Work on all processors: threads, for compiled code and most of NumPy, SciPy and Shapely let go of Python's lock."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 from typing import Any, Final, TypeVar
 
-T = TypeVar("T")
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+R = TypeVar("R")
+T = TypeVar("T", bound=np.generic)
+Index = NDArray[np.int32] | NDArray[np.int64]
+
 _SLICES_A_THREAD: Final = 4
 """More than one, so that a thread that other programs hold up keeps the rest waiting for a small slice only."""
 
 
-def in_slices(function: Callable[..., T], count: int, *arguments: Any) -> list[T]:
+def at_once(function: Callable[..., R], calls: Iterable[tuple[Any, ...]]) -> list[R]:
+    """Call ``function(*arguments)`` for all `calls`, at the same time; return what it returned, in their order."""
+    with ThreadPoolExecutor(_processors()) as threads:
+        runs = [threads.submit(function, *arguments) for arguments in calls]
+    return [run.result() for run in runs]
+
+
+def in_slices(function: Callable[..., R], count: int, *arguments: Any) -> list[R]:
     """Call ``function(first, past, *arguments)`` for slices that make up ``range(count)``, at the same time.
 
     The function has to be compiled with ``nogil``, and what it tells of an element, written into its arguments or
@@ -23,9 +37,27 @@ def in_slices(function: Callable[..., T], count: int, *arguments: Any) -> list[T
     -------
     What the function returned for each slice, in their order; nothing for an empty range.
     """
-    threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    slices = min(count, _SLICES_A_THREAD * threads)
-    ends = [count * k // slices for k in range(slices + 1)] if slices else []
-    with ThreadPoolExecutor(threads) as pool:
-        runs = [pool.submit(function, a, b, *arguments) for a, b in pairwise(ends)]
-    return [run.result() for run in runs]
+    return at_once(function, ((first, past, *arguments) for first, past in slices(count)))
+
+
+def slices(count: int) -> list[tuple[int, int]]:
+    """Return the first and past-last of the slices that make up ``range(count)``, some for each processor."""
+    number = min(count, _SLICES_A_THREAD * _processors())
+    return list(pairwise(count * k // number for k in range(number + 1))) if number else []
+
+
+def taken(values: NDArray[T], index: Index) -> NDArray[T]:
+    """``values[index]`` of the rows of an array; -1 is the last."""
+    found = np.empty((len(index), *values.shape[1:]), values.dtype)
+    in_slices(_take, len(index), found, values, index)
+    return found
+
+
+def _processors() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@njit(cache=True, nogil=True)
+def _take(first: int, past: int, found: NDArray[T], values: NDArray[T], index: Index) -> None:
+    for i in range(first, past):
+        found[i] = values[index[i]]

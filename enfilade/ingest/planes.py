@@ -74,7 +74,7 @@ def _grow_planes(surfels: Surfels, parameters: PlaneParameters) -> I32:
     tolerance, cosine = parameters.distance_m, float(np.cos(np.radians(parameters.angle_deg)))
     flat = np.zeros(len(keys), np.int32)
     in_slices(_count_flat, len(keys), flat, keys, offsets, rows, positions, normals)
-    seeds = np.argsort(-flat, kind="stable")
+    seeds = np.argsort(-flat.astype(np.int16), kind="stable")  # linear in short integers
     least = int(np.ceil(parameters.least_area_m2 / parameters.surfel_cell_m**2))
     grown = _grow(keys, offsets, rows, positions, normals, seeds, tolerance, cosine, least)
     fitted, centres = _fit(positions, normals, grown)
@@ -287,9 +287,8 @@ def _pairs_nearby(surfels: Surfels, plane: I32, gap_m: float) -> tuple[I64, I64]
     on_plane = np.flatnonzero(plane >= 0)
     grid = CellGrid.around(surfels.positions, gap_m / 2.0)
     cells = Gathered.by(grid.keys(surfels.positions[on_plane], plane[on_plane]))
-    positions = surfels.positions[on_plane[cells.order]]
-    low = np.minimum.reduceat(positions, cells.bounds[:-1])
-    high = np.maximum.reduceat(positions, cells.bounds[:-1])
+    low, high = np.empty((len(cells), 3), np.float32), np.empty((len(cells), 3), np.float32)
+    in_slices(_box, len(cells), low, high, surfels.positions, on_plane[cells.order], cells.bounds)
     widest = float(np.linalg.norm(high - low, axis=1).max())
     one, other = cKDTree((low + high) / 2.0).query_pairs(gap_m + widest, output_type="ndarray").T
     owner = cells.keys // grid.size
@@ -300,6 +299,17 @@ def _pairs_nearby(surfels: Surfels, plane: I32, gap_m: float) -> tuple[I64, I64]
     a, b = owner[one[near]], owner[other[near]]
     a, b = np.divmod(np.unique(np.minimum(a, b) * (1 << 32) + np.maximum(a, b)), 1 << 32)
     return a, b
+
+
+@njit(cache=True, nogil=True)
+def _box(first: int, past: int, low: F32, high: F32, positions: F32, order: I64, bounds: I64) -> None:
+    """Fill in the least and greatest coordinates of groups `first` to `past`."""
+    for group in range(first, past):
+        for axis in range(3):
+            low[group, axis], high[group, axis] = np.inf, -np.inf
+            for at in range(bounds[group], bounds[group + 1]):
+                low[group, axis] = min(low[group, axis], positions[order[at], axis])
+                high[group, axis] = max(high[group, axis], positions[order[at], axis])
 
 
 # --- bitmaps ---------------------------------------------------------------------------------------------------

@@ -246,7 +246,7 @@ def _viewers(
     voting = np.flatnonzero(groups.votes | (groups.scan_room < 0))
     viewpoints = groups.viewpoints[voting]
     count = min(parameters.viewpoints, len(voting))
-    nearest = cKDTree(viewpoints).query(starts, k=count, distance_upper_bound=parameters.view_m)[1]
+    nearest = cKDTree(viewpoints).query(starts, k=count, distance_upper_bound=parameters.view_m, workers=-1)[1]
     node, rank = np.nonzero(nearest.reshape(len(starts), count) < len(voting))
     viewer = nearest.reshape(len(starts), count)[node, rank]
     in_front = np.einsum("ij,ij->i", viewpoints[viewer] - starts[node], normals[node]) > 0.0

@@ -118,7 +118,7 @@ def _spread(loose: _Loose, surfels: Surfels, planes: Planes, parameters: SparseP
     step = np.zeros(len(plane))
     seeds, of_seed = _seeds(surfels, planes, parameters.seed_m)
     everything = np.concatenate([loose.positions, seeds])
-    around = np.asarray(cKDTree(everything).query(loose.positions, k=min(parameters.neighbours, len(everything)))[1])
+    around = np.asarray(cKDTree(everything).query(loose.positions, k=min(parameters.neighbours, len(everything)), workers=-1)[1])
     around = around.reshape(len(plane), -1)
     for _ in range(parameters.rounds):
         free = np.flatnonzero(plane < 0)
@@ -148,7 +148,7 @@ def _nearest_plane(
     """For each free cell the plane of a seed nearby that it lies on and faces, the closest one; and the way to it."""
     count = min(6, len(seeds))
     positions = loose.positions[free]
-    found = cKDTree(seeds).query(positions, k=count, distance_upper_bound=parameters.reach_m)
+    found = cKDTree(seeds).query(positions, k=count, distance_upper_bound=parameters.reach_m, workers=-1)
     distance = np.asarray(found[0]).reshape(len(free), count)
     candidate = np.append(of_seed, np.int32(-1))[np.asarray(found[1]).reshape(len(free), count)]
     normals = planes.normals[candidate].astype(np.float64)

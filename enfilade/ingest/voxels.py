@@ -13,7 +13,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .parallel import in_slices
+from .cells import Gathered
+from .parallel import taken
 from .records import F32, F64, I32, U8, Chunk
 
 T = TypeVar("T", bound=np.generic)
@@ -22,6 +23,8 @@ U64 = NDArray[np.uint64]
 
 _BITS: Final = 20
 """Bits of a block's index along each axis."""
+_BELOW: Final = (1 << (3 * _BITS - 3)) - 1
+"""All bits of a block's Morton number but the first of each axis."""
 _HALF: Final = 1 << _BITS
 """Voxels from the origin to the end of the grid along each axis."""
 _SLOTS: Final = 8
@@ -127,12 +130,12 @@ class VoxelSet:
     def finish(self) -> VoxelPoints:
         """Return the points in the order of their voxels. The set is used up: what is done with is let go at once."""
         self._table = _empty_table(0)
-        order = _ordered(self._slots, np.argsort(self._blocks[: self._used[0]]), int(self._used[1]))
+        order = _ordered(self._slots, _in_order(self._blocks[: self._used[0]]), int(self._used[1]))
         self._slots = np.zeros((0, _SLOTS), np.int32)
-        self._positions = _taken(self._positions, order)
-        self._scan = _taken(self._scan, order)
-        intensity = _taken(self._intensity, order) if len(self._intensity) else None
-        colour = _taken(self._colour, order) if len(self._colour) else None
+        self._positions = taken(self._positions, order)
+        self._scan = taken(self._scan, order)
+        intensity = taken(self._intensity, order) if len(self._intensity) else None
+        colour = taken(self._colour, order) if len(self._colour) else None
         return VoxelPoints(self._positions, self._scan, intensity, colour)
 
     def _make_columns(self, intensity: bool, colour: bool) -> None:
@@ -172,22 +175,20 @@ def _grown(values: NDArray[T], capacity: int) -> NDArray[T]:
     return grown
 
 
-def _taken(values: NDArray[T], order: I32) -> NDArray[T]:
-    """``values[order]``, on all processors."""
-    taken = np.empty((len(order), *values.shape[1:]), values.dtype)
-    in_slices(_take, len(order), taken, values, order)
-    return taken
+def _in_order(blocks: I64) -> I64:
+    """Order of blocks by their Morton numbers.
+
+    Near the origin all bits but the lowest few of an index are the first one turned round, and need no comparing.
+    """
+    octant = blocks >> (3 * _BITS - 3)
+    turned = (7 ^ octant) * (_BELOW // 7)
+    bits = int(((blocks ^ turned) & _BELOW).max(initial=0)).bit_length()
+    return Gathered.by((octant << bits) | (blocks & ((1 << bits) - 1))).order
 
 
 def _empty_table(size: int) -> I64:
     """Return a table of `size` (a power of 2) pairs of a block's key and its number."""
     return np.full((size, 2), _EMPTY, np.int64)
-
-
-@njit(cache=True, nogil=True)
-def _take(first: int, past: int, taken: NDArray[T], values: NDArray[T], order: I32) -> None:
-    for i in range(first, past):
-        taken[i] = values[order[i]]
 
 
 @njit(cache=True, nogil=True)

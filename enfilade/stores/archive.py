@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from enfilade.clouds import LABELS, LabelledCloud, read_cloud, write_cloud
 from enfilade.errors import EnfiladeError, NotFoundError
@@ -39,9 +41,14 @@ def cloud_file_name(store_url: str, building: str, cloud: LabelledCloud) -> str:
     readable = re.sub(r"[^A-Za-z0-9._-]+", "-", building).strip("-.")[:60] or "building"
     digest = sha256(f"{store_url}\0{building}".encode("utf-8", "surrogatepass"))
     columns = (cloud.positions, *(getattr(cloud, label) for label in LABELS), cloud.intensity, cloud.colour)
-    for column in (column for column in columns if column is not None):
-        digest.update(np.ascontiguousarray(column).data)
+    with ThreadPoolExecutor() as threads:
+        for part in threads.map(_digest, (column for column in columns if column is not None)):
+            digest.update(part)
     return f"{readable}-{digest.hexdigest()[:16]}.ply"
+
+
+def _digest(column: NDArray[Any]) -> bytes:
+    return sha256(np.ascontiguousarray(column).data).digest()
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enfilade.ingest.openings.crossings import SideGrid
+from enfilade.ingest.parallel import taken
 from enfilade.ingest.records import F32, F64, I32, Bool, RoomLabels, Surfels, ThinnedCloud
 from enfilade.ingest.sides import Side
 
@@ -82,10 +83,9 @@ class SideView:
 
 def rays_of(cloud: ThinnedCloud, surfels: Surfels, labels: RoomLabels) -> Rays:
     """Give every thinned point its ray and the rooms at both ends."""
-    known = surfels.point_surfel >= 0
-    to_room = np.full(len(cloud.scan), -1, dtype=np.int32)
-    to_room[known] = labels.after[surfels.point_surfel[known]]
-    return Rays(cloud.positions, cloud.scanner_positions, cloud.scan, labels.scan_room[cloud.scan], to_room)
+    to_room = taken(np.append(labels.after, np.int32(-1)), surfels.point_surfel)
+    from_room = taken(labels.scan_room, cloud.scan)
+    return Rays(cloud.positions, cloud.scanner_positions, cloud.scan, from_room, to_room)
 
 
 class SideViews:
