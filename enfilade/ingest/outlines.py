@@ -42,7 +42,9 @@ class OutlineParameters:
         Widest gap in a wall, or between a wall and one across it, through which a room may be seen to go on, and
         the shortest wall that is looked at.
     least_enclosed
-        Behind such a gap the room goes on if walls are around so much of what was seen there.
+        Behind such a gap the room goes on if walls are around so much of what was seen there,
+    least_roofed, least_leg_m2
+        or if its ceiling is over so much of it and it is as large as that: less is what a ceiling's labels stray.
     """
 
     cell_m: float = 0.05
@@ -52,6 +54,8 @@ class OutlineParameters:
     reach_m: float = 6.0
     least_face_m: float = 0.5
     least_enclosed: float = 0.5
+    least_roofed: float = 0.5
+    least_leg_m2: float = 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,14 +75,15 @@ def draw_outline(
     parameters: OutlineParameters = OutlineParameters(),
     *,
     faces: WallFaces | None = None,
+    ceiling: F32 | None = None,
 ) -> Outline:
     """Draw the outline of a room.
 
     Cells count that hold a horizontal surfel, as in §4, or that a ray to the room's own surfels crosses, for far
     floors are hit sparsely. Rays and cells end at the walls, of which only the strip under the ceiling is looked at:
     there, lintels close the doors and windows. Where a window or a passage reaches up to the ceiling, what lies
-    behind the face of the wall counts only if walls enclose it, as they do a niche. Along faces the outline is as
-    exact as they are. Without, a wall runs through its cells, so half of these count.
+    behind the face of the wall counts only if walls enclose it, as they do a niche, or the ceiling goes on over it.
+    Along faces the outline is as exact as they are. Without, a wall runs through its cells, so half of these count.
 
     Parameters
     ----------
@@ -90,10 +95,12 @@ def draw_outline(
         ``(r, 2)`` scanners and the room's surfels that they measured, pair by pair.
     faces
         Straight faces of its walls.
+    ceiling
+        ``(c, 2)`` surfels of its ceiling; None where it is not known, and then the room ends at nothing but walls.
     """
     cell_m = parameters.cell_m
     margin = int(np.ceil(parameters.gap_m / cell_m)) + 2
-    least, greatest = extent(np.concatenate([level, walls, sights]))
+    least, greatest = extent(np.concatenate([level, walls, sights, *([] if ceiling is None else [ceiling])]))
     low = np.floor(least / cell_m).astype(np.int64) - margin
     shape = np.floor(greatest / cell_m).astype(np.int64) - low + margin + 1
     wall = _closed(_drawn(walls, low, shape, cell_m), 1)
@@ -101,8 +108,9 @@ def draw_outline(
     _sweep(cells, scanners, sights, low, cell_m)
     stood = _in_cells(scanners, low, cell_m).astype(np.int64)
     inside = _inside(cells, stood, parameters)
-    if faces is not None and len(faces.centre):
-        inside = _up_to_faces(inside, wall, _bridges(wall, faces, low, parameters), stood, parameters)
+    if faces is not None and ceiling is not None:
+        bridges = _bridges(wall, faces, low, parameters)
+        inside = _up_to_faces(inside, wall, bridges, _drawn(ceiling, low, shape, cell_m), stood, parameters)
     edge = wall & ndimage.binary_dilation(inside, _CROSS, iterations=2)
     polygon = _polygon(_closed(inside | edge, 1), low, parameters)
     if faces is not None and len(faces.centre):
@@ -213,14 +221,20 @@ def _draw_line(grid: Bool, centre: F64, along: F64, first: float, last: float) -
         place += 0.5
 
 
-def _up_to_faces(inside: Bool, wall: Bool, bridges: Bool, scanners: I64, parameters: OutlineParameters) -> Bool:
-    """Leave out what lies behind bridges where no scanner stands, unless walls enclose it."""
+def _up_to_faces(
+    inside: Bool, wall: Bool, bridges: Bool, ceiling: Bool, scanners: I64, parameters: OutlineParameters
+) -> Bool:
+    """Leave out what lies behind bridges where no scanner stands, unless walls enclose it or the ceiling goes on."""
     pieces, count = ndimage.label(inside & ~bridges)
     if count < 2:
         return inside
+    size = np.bincount(pieces.ravel(), minlength=count + 1)
     around, walled = _around(np.asarray(pieces, np.int32), bridges, ndimage.binary_dilation(wall, _SQUARE), count)
-    kept = walled >= parameters.least_enclosed * around
-    kept[np.argmax(np.bincount(pieces.ravel(), minlength=count + 1)[1:]) + 1] = True
+    reach = int(np.ceil(parameters.gap_m / parameters.cell_m / 2.0))
+    roofed = np.bincount(pieces[ndimage.binary_dilation(ceiling, _SQUARE, iterations=reach)], minlength=count + 1)
+    kept = (roofed >= parameters.least_roofed * size) & (size * parameters.cell_m**2 >= parameters.least_leg_m2)
+    kept |= walled >= parameters.least_enclosed * around
+    kept[np.argmax(size[1:]) + 1] = True
     on_grid = ((scanners >= 0) & (scanners < inside.shape)).all(axis=1)
     kept[pieces[tuple(scanners[on_grid].T)]] = True
     kept[0] = False

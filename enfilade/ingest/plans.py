@@ -213,18 +213,21 @@ def _outline(
     wall = _on(planes.vertical, parts.plane)
     if ceiling is None and not parts.slope.any():
         everything = np.ones(len(wall), bool)
-        return _drawn(parts, everything, wall, everything, _faces(planes, parts, wall), parameters.outline)
+        return _drawn(parts, everything, wall, everything, _faces(planes, parts, wall), None, parameters.outline)
     level = _on(planes.horizontal, parts.plane)
-    strip = (_below_ceiling(planes, parts, ceiling) < parameters.lintel_m) | parts.slope
+    below = _below_ceiling(planes, parts, ceiling)
+    strip = (below < parameters.lintel_m) | parts.slope
     upper_wall = wall & strip
     faces = _faces(planes, parts, upper_wall)
+    highest = np.inf if ceiling is None else ceiling + _ONE_LEVEL_M
+    own = ((level & (np.abs(below) < _ONE_LEVEL_M)) | parts.slope) & (parts.positions[:, 2] < highest)
     by_floor = strip | (parts.plane == floor)
     covers = (level & strip) | parts.slope
-    whole = _drawn(parts, covers | (level & by_floor), upper_wall, by_floor, faces, parameters.outline)
+    whole = _drawn(parts, covers | (level & by_floor), upper_wall, by_floor, faces, own, parameters.outline)
     covers |= parts.roofed
     if not covers.any():
         return whole
-    upper = _drawn(parts, covers, upper_wall, strip | parts.roofed, faces, parameters.outline)
+    upper = _drawn(parts, covers, upper_wall, strip | parts.roofed, faces, own, parameters.outline)
     return upper if upper.area >= parameters.least_ceiling * whole.area else whole
 
 
@@ -247,7 +250,13 @@ def _faces(planes: Planes, parts: _Parts, wall: Bool) -> WallFaces:
 
 
 def _drawn(
-    parts: _Parts, level: Bool, wall: Bool, tells: Bool, faces: WallFaces, parameters: OutlineParameters
+    parts: _Parts,
+    level: Bool,
+    wall: Bool,
+    tells: Bool,
+    faces: WallFaces,
+    ceiling: Bool | None,
+    parameters: OutlineParameters,
 ) -> Outline:
     seen = parts.seen_here & tells
     return draw_outline(
@@ -257,4 +266,5 @@ def _drawn(
         parts.positions[seen, :2],
         parameters,
         faces=faces,
+        ceiling=None if ceiling is None else parts.positions[ceiling, :2],
     )

@@ -100,15 +100,17 @@ def test_along_faces_an_outline_is_exact_however_the_room_lies(w: float, d: floa
     assert len(outline.rings[0]) == 5
 
 
-def test_what_is_seen_through_a_window_up_to_the_ceiling_does_not_count_and_a_niche_does() -> None:
+def test_what_is_seen_through_a_window_up_to_the_ceiling_does_not_count_but_a_niche_and_a_leg_do() -> None:
     corners = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]])
-    through = floor((1.5, 2.6), (-2.0, 0.0))
-    covered = np.concatenate([floor((0.0, 4.0), (0.0, 3.0)), through])
-    wall = along(corners, gap=(1.4, 2.7))
-    seen = draw_outline(covered, wall, SCANNER, SCANNER, faces=faces_of(corners))
+    inside, through = floor((0.0, 4.0), (0.0, 3.0)), floor((1.5, 2.6), (-2.0, 0.0))
+    wall, faces = along(corners, gap=(1.4, 2.7)), faces_of(corners)
+    seen = draw_outline(np.concatenate([inside, through]), wall, SCANNER, SCANNER, faces=faces, ceiling=inside)
     assert seen.area == pytest.approx(12.0, rel=0.005)
+    under_ceiling = np.concatenate([inside, floor((1.4, 2.7), (-4.0, 0.0))])
+    leg = draw_outline(under_ceiling, wall, SCANNER, SCANNER, faces=faces, ceiling=under_ceiling)
+    assert leg.area == pytest.approx(12.0 + 1.3 * 4.0, rel=0.02)
     niche = along(np.array([[1.4, -1.0], [2.7, -1.0], [2.7, 0.0], [1.4, 0.0]]))
-    niche = niche[niche[:, 1] < -0.03]
-    covered = np.concatenate([floor((0.0, 4.0), (0.0, 3.0)), floor((1.4, 2.7), (-1.0, 0.0))])
-    around = draw_outline(covered, np.concatenate([wall, niche]), SCANNER, SCANNER, faces=faces_of(corners))
+    both = np.concatenate([wall, niche[niche[:, 1] < -0.03]])
+    covered = np.concatenate([inside, floor((1.4, 2.7), (-1.0, 0.0))])
+    around = draw_outline(covered, both, SCANNER, SCANNER, faces=faces, ceiling=inside)
     assert around.area == pytest.approx(13.3, rel=0.02)
