@@ -26,6 +26,7 @@ from .planes import find_planes
 from .plans import draw_plans
 from .provenance import provenance
 from .readers import read_scans, scan_files
+from .records import Groups, Planes, Room, RoomLabels, Surfels, ThinnedCloud
 from .registration import check_registration
 from .rooms import label_rooms
 from .sparse import extend_planes
@@ -108,14 +109,7 @@ def ingest(
     watch.start("groups")
     given = read_grouping(rooms_csv, cloud.scan_names) if rooms_csv is not None else None
     groups = group_scans(planes, cloud.scanner_positions, given, parameters.groups)
-    watch.start("rooms", 1.0)
-    labels = label_rooms(surfels, planes, groups, parameters.rooms, progress=watch)
-    watch.start("measures")
-    drafts = draw_plans(cloud, surfels, planes, labels, parameters.plans, by_floors=False)
-    labels = keep_inside(surfels, labels, drafts, parameters.inside)
-    labels = add_glimpsed_rooms(surfels, planes, labels, drafts, cloud.scanner_positions, parameters.glimpses)
-    plans = draw_plans(cloud, surfels, planes, labels, parameters.plans)
-    rooms = measure_rooms(cloud, surfels, labels, plans)
+    labels, rooms = _rooms(cloud, surfels, planes, groups, parameters, watch)
     _need(rooms, files, "no room")
     storeys = find_storeys(rooms, parameters.storeys)
     watch.start("neighbours")
@@ -133,6 +127,20 @@ def ingest(
     said = building if name is None else name
     graph = assemble_graph(building, said, found, parameters.descriptors.shape, origin_of_all)
     return Ingested(graph, assemble_cloud(found), watch.stop())
+
+
+def _rooms(
+    cloud: ThinnedCloud, surfels: Surfels, planes: Planes, groups: Groups, parameters: Parameters, watch: Stopwatch
+) -> tuple[RoomLabels, tuple[Room, ...]]:
+    """Find the rooms: by diffusion of labels (Eqs. 1-6), put right by what their plans hold, and measured (§4)."""
+    watch.start("rooms", 1.0)
+    labels = label_rooms(surfels, planes, groups, parameters.rooms, progress=watch)
+    watch.start("measures")
+    drafts = draw_plans(cloud, surfels, planes, labels, parameters.plans, by_floors=False)
+    labels = keep_inside(surfels, labels, drafts, parameters.inside)
+    labels = add_glimpsed_rooms(surfels, planes, labels, drafts, cloud.scanner_positions, parameters.glimpses)
+    plans = draw_plans(cloud, surfels, planes, labels, parameters.plans)
+    return labels, measure_rooms(cloud, surfels, labels, plans)
 
 
 def _need(found: Sequence[object], files: Sequence[Path], what: str) -> None:
