@@ -166,6 +166,28 @@ def _bounds(packed: I64, bits: int) -> I64:
     return bounds
 
 
+def members_of(numbers: I32, count: int) -> list[I64]:
+    """Return, for each number from 0 to `count` - 1, where it stands in ``(n,) int32`` numbers, in order; -1 is left out."""
+    order, bounds = _by_number(numbers, count)
+    return np.split(order, bounds[1:-1]) if count else []
+
+
+@njit(cache=True, nogil=True)
+def _by_number(numbers: I32, count: int) -> tuple[I64, I64]:
+    bounds = np.zeros(count + 1, np.int64)
+    for number in numbers:
+        if number >= 0:
+            bounds[number + 1] += 1
+    bounds = np.cumsum(bounds)
+    order, free = np.empty(bounds[-1], np.int64), bounds[:-1].copy()
+    for i in range(len(numbers)):
+        number = numbers[i]
+        if number >= 0:
+            order[free[number]] = i
+            free[number] += 1
+    return order, bounds
+
+
 @njit(cache=True)
 def neighbour_rows(keys: I64, offsets: I64) -> I32:
     """For each of the sorted `keys`, where each of its nine columns of neighbour cells begins.

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial import cKDTree
 
-from .cells import CellGrid
+from .cells import CellGrid, members_of
 from .records import F32, F64, I32, Bool, Plan, Planes, RoomLabels, Surfels
 from .structure import Structure
 
@@ -126,8 +126,7 @@ def _known_floor(surfels: Surfels, planes: Planes, labels: RoomLabels, plans: Se
     """Surfels of level planes that face up, in the plan of their room: what lies in a doorway is not."""
     upward = np.append(planes.horizontal & (planes.normals[:, 2] > 0.0), False)[planes.surfel_plane]
     members = []
-    for number, plan in enumerate(plans):
-        own = np.flatnonzero(upward & (labels.after == number))
+    for plan, own in zip(plans, members_of(np.where(upward, labels.after, -1), len(plans)), strict=True):
         outline = shapely.Polygon(plan.outline[0])
         shapely.prepare(outline)
         members.append(own[shapely.contains_xy(outline, *surfels.positions[own, :2].T.astype(np.float64))])

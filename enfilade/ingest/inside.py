@@ -9,6 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from .cells import members_of
+from .parallel import at_once
 from .records import F32, F64, I32, Bool, Plan, RoomLabels, Surfels
 
 I64 = NDArray[np.int64]
@@ -57,12 +59,13 @@ def keep_inside(
 def _near_own(xy: F64, room: I32, outlines: NDArray[np.object_], reach_m: float) -> Bool:
     """``(n,)``: whether positions lie within `reach_m` of their own room's outline, or in it."""
     near = np.zeros(len(xy), bool)
-    order = np.argsort(room, kind="stable")
-    ends = np.cumsum(np.bincount(room + 1, minlength=len(outlines) + 1))
-    for number, reach in enumerate(shapely.buffer(outlines, reach_m, join_style="mitre")):
-        members = order[ends[number] : ends[number + 1]]
+
+    def look(reach: shapely.Polygon, members: I64) -> None:
         shapely.prepare(reach)
         near[members] = shapely.contains_xy(reach, xy[members, 0], xy[members, 1])
+
+    reaches = shapely.buffer(outlines, reach_m, join_style="mitre")
+    at_once(look, zip(reaches, members_of(room, len(outlines)), strict=True))
     return near
 
 

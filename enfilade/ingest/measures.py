@@ -7,18 +7,17 @@ from collections.abc import Sequence
 import numpy as np
 from numba import njit
 
+from .cells import members_of
 from .records import I32, Plan, Room, RoomLabels, Surfels, ThinnedCloud
 
 
 def measure_rooms(cloud: ThinnedCloud, surfels: Surfels, labels: RoomLabels, plans: Sequence[Plan]) -> tuple[Room, ...]:
     """Measure every room, in order of number."""
-    order = np.argsort(labels.after, kind="stable")
-    ends = np.cumsum(np.bincount(labels.after + 1, minlength=labels.room_count + 1))
+    members_of_room = members_of(labels.after, labels.room_count)
     point_counts = _counted(surfels.point_surfel, len(labels.after))
     counts = np.bincount(labels.after + 1, point_counts, labels.room_count + 1)[1:]
     rooms = []
-    for number, plan in enumerate(plans):
-        members = order[ends[number] : ends[number + 1]]
+    for number, (plan, members) in enumerate(zip(plans, members_of_room, strict=True)):
         columns = surfels.positions[members].T.astype(np.float64, order="C")
         rooms.append(
             Room(

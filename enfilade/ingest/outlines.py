@@ -136,7 +136,7 @@ def _closed(grid: Bool, cells: int) -> Bool:
     return np.asarray(ndimage.binary_closing(grid, _SQUARE, iterations=cells))
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _sweep(cells: UInt8, starts: F32, ends: F32, low: I64, cell_m: float) -> None:
     """Cover the free cells along each ray, up to its end or the first wall; no cell twice running from one scanner."""
     last = np.full(cells.shape, -1, np.int64)
@@ -192,7 +192,7 @@ def _bridges(wall: Bool, faces: WallFaces, low: I64, parameters: OutlineParamete
     return np.asarray(bridges & ~wall)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _draw_bridges(bridges: Bool, near: Bool, centre: F64, along: F64, span: F64, reach: float, slack: float) -> None:
     """Mark the gaps along each line, no wider than `reach`, within its span and on from wall to wall; all in cells."""
     for face in range(len(centre)):
@@ -213,7 +213,7 @@ def _draw_bridges(bridges: Bool, near: Bool, centre: F64, along: F64, span: F64,
                 place += 0.5
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _draw_line(grid: Bool, centre: F64, along: F64, first: float, last: float) -> None:
     place = first
     while place <= last:
@@ -242,7 +242,7 @@ def _up_to_faces(
     return np.asarray(left | (inside & bridges & ndimage.binary_dilation(left, _SQUARE)))
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _around(pieces: I32, bridges: Bool, walled: Bool, count: int) -> tuple[I64, I64]:
     """Sides of cells at the rim of each piece where no bridge ends it, and how many of them are at walls."""
     rim, at_wall = np.zeros(count + 1, np.int64), np.zeros(count + 1, np.int64)

@@ -12,8 +12,9 @@ from scipy.spatial import cKDTree
 
 from enfilade.faces import WallFaces
 
-from .cells import CellGrid, Gathered
+from .cells import CellGrid, Gathered, members_of
 from .outlines import Outline, OutlineParameters, draw_outline
+from .parallel import at_once
 from .records import F32, I32, Bool, Plan, Planes, RoomLabels, Surfels, ThinnedCloud
 from .structure import OCCUPIED, Structure
 
@@ -89,13 +90,10 @@ def draw_plans(
     `by_floors` says whether floors under a roof count besides ceilings: not for a draft, before `keep_inside` has
     put right the labels of floors near wide doors.
     """
-    order = np.argsort(labels.after, kind="stable")
-    ends = np.cumsum(np.bincount(labels.after + 1, minlength=labels.room_count + 1))
     roofed = _roofed(surfels, planes) if by_floors else np.zeros(len(surfels.positions), bool)
     slope = _slopes(surfels, planes)
-    plans = []
-    for number in range(labels.room_count):
-        members = order[ends[number] : ends[number + 1]]
+
+    def of_room(number: int, members: I64) -> Plan:
         scan = surfels.scan[members]
         parts = _Parts(
             surfels.positions[members],
@@ -105,8 +103,9 @@ def draw_plans(
             roofed[members],
             slope[members],
         )
-        plans.append(_plan(parts, planes, cloud.scanner_positions[labels.scan_room == number], parameters))
-    return tuple(plans)
+        return _plan(parts, planes, cloud.scanner_positions[labels.scan_room == number], parameters)
+
+    return tuple(at_once(of_room, enumerate(members_of(labels.after, labels.room_count))))
 
 
 def _plan(parts: _Parts, planes: Planes, scanners: F32, parameters: RoomPlanParameters) -> Plan:

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from enfilade.ingest.cells import CellGrid, Gathered, extent, tile_rectangles
+from enfilade.ingest.cells import CellGrid, Gathered, extent, members_of, tile_rectangles
 
 KEYS = st.one_of(st.integers(0, 5), st.integers(0, 2**63 - 1))
 
@@ -45,3 +45,9 @@ def test_rectangles_tile_exactly_the_cells_that_are_true(cells: np.ndarray) -> N
     for row, past_row, column, past_column in tile_rectangles(cells):
         covered[row:past_row, column:past_column] += 1
     assert np.array_equal(covered, cells.astype(int))
+
+
+@given(arrays(np.int32, st.integers(0, 50), elements=st.integers(-1, 6)))
+def test_members_of_a_number_are_where_it_stands(numbers: np.ndarray) -> None:
+    found = members_of(numbers, 7)
+    assert [where.tolist() for where in found] == [np.flatnonzero(numbers == number).tolist() for number in range(7)]
