@@ -13,6 +13,7 @@ from typing import Final
 
 import numpy as np
 
+from enfilade.ingest.cells import Gathered
 from enfilade.ingest.records import F64, I32, Planes, RoomLabels, Surfels
 
 UP: Final = np.array([0.0, 0.0, 1.0])
@@ -108,12 +109,11 @@ def cut_by_room(surfels: Surfels, planes: Planes, labels: RoomLabels, min_surfel
     usable = np.flatnonzero((planes.surfel_plane >= 0) & (labels.after >= 0))
     plane_count = max(len(planes.offsets), 1)
     key = labels.after[usable].astype(np.int64) * plane_count + planes.surfel_plane[usable]
-    order = np.argsort(key, kind="stable")
-    keys, starts = np.unique(key[order], return_index=True)
-    groups = np.split(usable[order], starts[1:]) if len(keys) else []
+    gathered = Gathered.by(key)
+    groups = np.split(usable[gathered.order], gathered.bounds[1:-1]) if len(gathered) else []
     return [
         _patch(int(k // plane_count), int(k % plane_count), group.astype(np.int32), surfels, planes)
-        for k, group in zip(keys, groups, strict=True)
+        for k, group in zip(gathered.keys, groups, strict=True)
         if len(group) >= min_surfels
     ]
 
