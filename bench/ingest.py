@@ -1,4 +1,4 @@
-"""Measures ingest: time, CPU time and memory of every stage, growth with points and buildings, Open3D's chain.
+"""Measures ingest: time, CPU time and memory of every stage, growth with points and buildings, Open3D's chain, bars.
 
 ``python bench/ingest.py FOLDER [SCANS...]`` works in FOLDER, prints Markdown and writes ``ingest.json`` there. SCANS
 are the files of one building; without them the built-in one is scanned. Every run is a process of its own, so that
@@ -20,7 +20,12 @@ from typing import Any, Final
 
 from rewritten_scans import Rewriting, rewrite
 
-PARTS: Final = ("stages", "points", "buildings", "chain")
+PARTS: Final = ("stages", "points", "buildings", "chain", "many")
+MANY_POINTS: Final = 100_000_000
+"""So many points, of the same building and in the same voxels, are to need no more memory."""
+LEAST_RATE: Final = 0.5
+MOST_OF_CHAIN: Final = 0.25
+MOST_GB: Final = 4.0
 MORE_POINTS: Final = {
     "a quarter of the points": Rewriting(share=0.25),
     "half the points": Rewriting(share=0.5),
@@ -55,11 +60,11 @@ def built_in(folder: Path) -> list[Path]:
     return [scans]
 
 
-def measured(folder: Path, scans: Sequence[Path]) -> Run:
-    """Ingest once in a process of its own."""
+def measured(folder: Path, scans: Sequence[Path], times: int = 1) -> Run:
+    """Ingest once in a process of its own, the scans read so often."""
     for old in folder.glob("measured.db*"):
         old.unlink()
-    return child("measured_ingest.py", folder, *scans)
+    return child("measured_ingest.py", folder, str(times), *scans)
 
 
 def grown(folder: Path, scans: list[Path], sizes: dict[str, Rewriting], run: Run) -> dict[str, Run]:
@@ -149,6 +154,28 @@ def beside(chain: Run, run: Run) -> Iterator[str]:
     yield ""
 
 
+def bars(found: Run) -> Iterator[str]:
+    """Yield the table of what was asked for and what was measured."""
+    run = found["run"]
+    rate, points = run["points"] / 1e6 / total(run, "wall_s"), f"{run['points'] / 1e6:.1f} M points"
+    rows = [
+        ("M points / s from start to store", f"at least {LEAST_RATE}", f"{rate:.2f}"),
+        (
+            f"GB for {points} in {run['scans']} scans, {run['rooms']} rooms",
+            f"at most {MOST_GB:.0f}",
+            f"{peak(run):.2f}",
+        ),
+    ]
+    if "chain" in found:
+        share = total(run, "cpu_s") / sum(step["cpu_s"] for step in found["chain"]["steps"])
+        rows.append(("share of the CPU time of Open3D's chain", f"at most {MOST_OF_CHAIN}", f"{share:.2f}"))
+    if "many" in found:
+        many = found["many"]
+        what = f"memory for {many['points'] / 1e6:.0f} M points to that for {points}"
+        rows.append((what, "1", f"{peak(many) / peak(run):.2f}"))
+    yield from table(("what", "asked for", "measured"), rows)
+
+
 # --- all of it -------------------------------------------------------------------------------------------------
 
 
@@ -156,7 +183,6 @@ def report(folder: Path, scans: list[Path], parts: Sequence[str]) -> Iterator[st
     """Measure and yield lines of Markdown as they are known; write the JSON at the end."""
     found: Run = {"scans": [scan.name for scan in scans], "cpus": os.cpu_count(), "machine": platform.platform()}
     yield f"# Ingest of {', '.join(scan.name for scan in scans)} on {found['cpus']} CPUs\n"
-    measured(folder, scans)  # compiles what is compiled once an installation
     found["run"] = measured(folder, scans)
     yield from by_stage(found["run"])
     if "points" in parts:
@@ -172,6 +198,14 @@ def report(folder: Path, scans: list[Path], parts: Sequence[str]) -> Iterator[st
         yield "## Open3D's chain on the same scans\n"
         found["chain"] = child("open3d_chain.py", *scans)
         yield from beside(found["chain"], found["run"])
+    if "many" in parts:
+        yield "## The same building scanned again and again, in the same voxels\n"
+        times = -(-MANY_POINTS // found["run"]["points"])
+        found["many"] = measured(folder, scans, times)
+        yield from by_size({"as scanned": found["run"], f"{times} times": found["many"]})
+        yield from growth({"as scanned": found["run"], f"{times} times": found["many"]})
+    yield "## Bars\n"
+    yield from bars(found)
     (folder / "ingest.json").write_text(json.dumps(found, indent=1), encoding="utf-8")
 
 
@@ -180,10 +214,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("scans", nargs="*", type=Path)
+    parser.add_argument("--compiled", action="store_true", help="All is compiled already: leave out the run before.")
     parser.add_argument("--only", action="append", choices=PARTS, help="measure only this (may be given again)")
     arguments = parser.parse_args()
     arguments.folder.mkdir(parents=True, exist_ok=True)
-    for line in report(arguments.folder, arguments.scans or built_in(arguments.folder), arguments.only or PARTS):
+    scans = arguments.scans or built_in(arguments.folder)
+    if not arguments.compiled:
+        measured(arguments.folder, scans)
+    for line in report(arguments.folder, scans, arguments.only or PARTS):
         print(line, flush=True)
 
 

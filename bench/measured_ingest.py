@@ -1,6 +1,7 @@
 """Ingests scans into a store of its own and prints, as JSON, what each stage took; a child of ``bench/ingest.py``.
 
-``python bench/measured_ingest.py FOLDER SCANS...``: the graph and the cloud go into FOLDER.
+``python bench/measured_ingest.py FOLDER TIMES SCANS...``: the graph and the cloud go into FOLDER. With TIMES above 1
+the scans are read so often, with new noise each time but the first; making it counts as reading.
 """
 
 from __future__ import annotations
@@ -10,8 +11,10 @@ import os
 import sys
 import time
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final
+from unittest.mock import patch
 
 import psutil
 
@@ -57,14 +60,23 @@ def peak_gb() -> float:
     return int(line.split()[1]) * 1024 / 1e9
 
 
-def main(folder: Path, scans: list[Path]) -> None:
+def main(folder: Path, times: int, scans: list[Path]) -> None:
     """Ingest as the command does, and print what it took."""
     meter = Meter()
-    from enfilade.ingest.pipeline import ingest
+    from enfilade.ingest import pipeline
+    from enfilade.ingest.readers import read_scans
     from enfilade.stores.archive import Archive
     from enfilade.stores.sqlite import SQLiteStore
 
-    result = ingest(scans, building="measured", progress=meter)
+    def reading(*sources: Any, **options: Any) -> Iterator[Any]:
+        from rewritten_scans import scanned_again
+
+        yield from read_scans(*sources, **options)
+        for again in range(1, times):
+            yield from scanned_again(read_scans(*sources, **options), again)
+
+    with patch.object(pipeline, "read_scans", reading if times > 1 else read_scans):
+        result = pipeline.ingest(scans, building="measured", progress=meter)
     meter.start("store")
     with SQLiteStore(folder / "measured.db") as store:
         Archive(store, folder / "measured.clouds").save(result.graph, result.cloud)
@@ -77,4 +89,4 @@ def main(folder: Path, scans: list[Path]) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), [Path(name) for name in sys.argv[2:]])
+    main(Path(sys.argv[1]), int(sys.argv[2]), [Path(name) for name in sys.argv[3:]])

@@ -1,7 +1,8 @@
-"""Scans written anew for ``bench/ingest.py``: with fewer points, scanned again, the building several times."""
+"""Scans made anew for ``bench/ingest.py``: with fewer points, scanned again, the building several times."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -12,9 +13,12 @@ import pye57
 from numpy.typing import NDArray
 
 from enfilade.ingest.readers import read_scans
-from enfilade.ingest.records import Scan
+from enfilade.ingest.records import Chunk, Scan
+from enfilade.ingest.thinning import ThinningParameters
 
 F64 = NDArray[np.float64]
+VOXEL_M: Final = ThinningParameters().voxel_size_m
+NOISE_M: Final = 0.002
 GAP_M: Final = 30.0
 """Free ground between copies of a building, beyond the reach of what is compared within one."""
 
@@ -38,7 +42,7 @@ class Rewriting:
     share: float = 1.0
     again: int = 1
     copies: int = 1
-    noise_m: float = 0.002
+    noise_m: float = NOISE_M
 
 
 def rewrite(scans: list[Path], to: Path, how: Rewriting) -> None:
@@ -66,6 +70,25 @@ def _measured(local: F64, how: Rewriting, anew: bool, chance: np.random.Generato
     if anew:
         local *= 1.0 + chance.normal(0.0, how.noise_m, (len(local), 1)) / np.linalg.norm(local, axis=1, keepdims=True)
     return local
+
+
+def scanned_again(scans: Iterable[Scan], time: int, noise_m: float = NOISE_M) -> Iterator[Scan]:
+    """Yield scans as if the scanner had stood there once more, with new noise, chunk by chunk and without a file.
+
+    Every point stays in its voxel, so that there are more points but no more to keep of them.
+    """
+    for number, scan in enumerate(scans):
+        chance = np.random.default_rng([time, number])
+        chunks = (_with_noise(chunk, scan.scanner_position, noise_m, chance) for chunk in scan.chunks)
+        yield Scan(f"{scan.name}, {time}", scan.source, chunks, scan.scanner_position)
+
+
+def _with_noise(chunk: Chunk, scanner: F64, noise_m: float, chance: np.random.Generator) -> Chunk:
+    ray = chunk.positions - scanner
+    length = np.maximum(np.linalg.norm(ray, axis=1, keepdims=True), 1e-6)
+    positions = chunk.positions + ray / length * chance.normal(0.0, noise_m, (len(ray), 1))
+    voxel = np.floor(chunk.positions / VOXEL_M)
+    return Chunk(np.clip(positions, (voxel + 0.02) * VOXEL_M, (voxel + 0.98) * VOXEL_M), chunk.intensity, chunk.colour)
 
 
 def points_of(scan: Scan) -> F64:
