@@ -237,9 +237,28 @@ def test_a_row_of_kitchen_units_is_cut_in_modules_that_make_a_unit_again():
     assert max(len(combination.segments) for combination in found.combinations) == 3
 
 
+def test_two_cupboards_side_by_side_are_cut_and_put_together_again():
+    scene = furnished()
+    scene.block((0.5, 0.02, 0.0), (2.1, 0.6, 1.9), 0, plane=True)
+    found, _ = objects_of(scene)
+    assert len(found.segments) == 3
+    whole = found.combinations[-1]
+    assert len(whole.segments) == 3
+    np.testing.assert_allclose(whole.size[0], 1.6, atol=0.05)
+
+
+@pytest.mark.parametrize(
+    ("low", "high"), [((0.5, 0.02, 1.0), (2.5, 0.05, 2.0)), ((0.5, 0.02, 0.0), (2.1, 0.7, 0.5))], ids=["board", "bench"]
+)
+def test_what_is_long_and_no_cupboard_is_not_cut(low, high):
+    scene = furnished()
+    scene.block(low, high, 0, plane=True)
+    assert len(objects_of(scene)[0].segments) == 1
+
+
 def test_a_cupboard_built_into_a_wall_is_an_object_and_a_door_there_is_none():
     cupboard, leaf = (BoxScene(), BoxScene())
-    for scene, width in ((cupboard, 1.6), (leaf, 0.9)):
+    for scene, width in ((cupboard, 1.2), (leaf, 0.9)):
         hole = ((1.0, 0.0), (1.0 + width, 2.0))
         scene.room(0, (0, 0, 0), (4, 4, 2.5), holes={"x1": [hole]})
         scene.scanners = [((2.0, 2.0, 1.6), 0)]
@@ -365,6 +384,26 @@ def test_the_leaf_of_a_door_in_a_thick_wall_hangs_where_its_reveal_ends(low, hig
 def test_a_railing_is_no_object():
     scene = furnished()
     scene.block((1.0, 3.0, 0.0), (3.5, 3.1, 1.0), 0, plane=True)
+    assert objects_of(scene)[0].segments == ()
+
+
+def test_a_wall_of_laths_is_no_object():
+    scene = furnished()
+    for lath in range(5):
+        scene.block((1.0, 3.0, 0.2 + 0.45 * lath), (3.5, 3.08, 0.4 + 0.45 * lath), 0)
+    for post in (1.0, 2.2, 3.4):
+        scene.block((post, 3.02, 0.2), (post + 0.1, 3.06, 2.3), 0)
+    assert objects_of(scene)[0].segments == ()
+
+
+def test_a_stair_seen_from_below_is_no_object():
+    """Nine treads of 5 cm without risers, most of them over the scanner, and a landing at their end."""
+    scene = furnished()
+    for step in range(9):
+        x, top = 0.2 + 0.27 * step, 0.2 * (step + 1)
+        scene.block((x, 2.6, top - 0.05), (x + 0.27, 3.6, top), 0)
+    scene.block((2.63, 2.6, 1.95), (3.6, 3.6, 2.0), 0)
+    scene.scanners = [((1.2, 1.0, 0.7), 0), ((3.4, 1.4, 0.7), 0)]
     assert objects_of(scene)[0].segments == ()
 
 

@@ -84,7 +84,7 @@ def find_objects(
         members = loose_in.get(number, np.zeros(0, dtype=np.int32))
         faces = _faces(structure.sides.get(number, ()), surfels, chosen)
         flights = [each for each in structure.flights if each.touches(known[number].bounds, chosen.outline_reach_m)]
-        remains = Remains(known[number], opening_in[number], flights, chosen)
+        remains = Remains(known[number], opening_in[number], flights, structure.ceilings[number], chosen)
         for group in _groups(cloud, members, remains, on_board, faces, surfels.point_surfel):
             if not sightlines.are_a_ghost(group, faces, remains.openings):
                 positions = cloud.positions[group].astype(np.float64)
@@ -129,10 +129,10 @@ def _groups(
     members, positions, off, surfel = members[~fixed], positions[~fixed], off[~fixed], surfel[~fixed]
     for group in connect(positions, surfel < 0, parameters):
         if not remains.is_remain(positions[group], off[group]):
-            yield from (members[group[piece]] for piece in _pieces(positions[group], parameters))
+            yield from (members[group[piece]] for piece in _pieces(positions[group], room.floor_elevation, parameters))
 
 
-def _pieces(positions: F64, parameters: ObjectParameters) -> Iterator[I64]:
+def _pieces(positions: F64, floor_m: float, parameters: ObjectParameters) -> Iterator[I64]:
     """Split what hangs together into pieces of furniture; scraps stay with the largest piece."""
     piece = split(positions, parameters)
     counts = np.bincount(piece)
@@ -141,7 +141,7 @@ def _pieces(positions: F64, parameters: ObjectParameters) -> Iterator[I64]:
     for number in np.unique(piece):
         own = np.flatnonzero(piece == number)
         for part in cut_bays(positions[own], parameters):
-            yield from (own[part[module]] for module in cut_row(positions[own[part]], parameters))
+            yield from (own[part[module]] for module in cut_row(positions[own[part]], floor_m, parameters))
 
 
 def _faces(sides: Iterable[Side], surfels: Surfels, parameters: ObjectParameters) -> list[Face]:

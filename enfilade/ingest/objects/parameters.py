@@ -78,6 +78,8 @@ class ObjectParameters:
     max_single_m, max_row_depth_m, module_m
         Nothing is longer than the first in one piece; what is, and not deeper than the second, is a row of modules
         (kitchen units are 0.6 m wide).
+    max_unit_m, min_cupboard_m, min_front_fill
+        No cupboard is wider than the first; one is as high as the second, and its front fills so much of a rectangle.
     gap_m
         Segments closer than this are combined.
     near_m
@@ -139,6 +141,9 @@ class ObjectParameters:
     max_single_m: float = 2.25
     max_row_depth_m: float = 0.75
     module_m: float = 0.6
+    max_unit_m: float = 1.25
+    min_cupboard_m: float = 0.65
+    min_front_fill: float = 0.8
     gap_m: float = 0.3
     near_m: float = 0.5
     partners: int = 5

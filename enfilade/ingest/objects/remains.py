@@ -11,6 +11,7 @@ import shapely
 
 from enfilade.ingest.objects.parameters import ObjectParameters
 from enfilade.ingest.objects.stairs import Flight
+from enfilade.ingest.objects.structure import CeilingMap
 from enfilade.ingest.records import F64, Bool, Opening, Room
 
 CELL_M: Final = 0.05
@@ -33,6 +34,8 @@ class Remains:
         Of the room.
     flights
         Stairs of the building.
+    ceiling
+        Of the room.
     parameters
         Sizes.
     """
@@ -40,6 +43,7 @@ class Remains:
     room: Room
     openings: Sequence[Opening]
     flights: Sequence[Flight]
+    ceiling: CeilingMap
     parameters: ObjectParameters
 
     def on_stairs(self, points: F64) -> Bool:
@@ -89,11 +93,24 @@ class Remains:
         return bool(extent.min() >= self.parameters.min_board_m and filled >= self.parameters.min_fill)
 
     def _is_railing(self, points: F64) -> bool:
-        """Whether it is a long thin thing that stands on the floor, or on less: a railing, a parapet, a low wall."""
-        length, thickness = np.ptp(np.quantile(_along(points), (0.02, 0.98), axis=0), axis=0)
+        """Whether it is a long thin thing that stands on the floor, or on less: a railing, a parapet, a low wall.
+
+        One of laths or the like that goes up to the ceiling is a wall, too.
+        """
+        along = _along(points)
+        length, thickness = np.ptp(np.quantile(along, (0.02, 0.98), axis=0), axis=0)
         bottom, top = np.quantile(points[:, 2], (0.02, 0.98)) - self.room.floor_elevation
+        if length < self.parameters.min_railing_m or thickness > self.parameters.max_railing_m:
+            return False
         low = bottom < 2 * self.parameters.floor_reach_m and top < self.parameters.handrail_m
-        return bool(low and length > self.parameters.min_railing_m and thickness < self.parameters.max_railing_m)
+        return bool(low or (bottom < self.parameters.max_hinge_m and self._reaches_ceiling(points, along[:, 0])))
+
+    def _reaches_ceiling(self, points: F64, along: F64) -> bool:
+        """Whether at least half of its columns end just under the ceiling, even where that slopes."""
+        column = np.floor((along - along.min()) / (2 * CELL_M)).astype(np.int64)
+        least = np.full(column.max() + 1, np.inf)
+        np.minimum.at(least, column, self.ceiling.over(points) - points[:, 2])
+        return bool((least[np.isfinite(least)] < 2 * self.parameters.ceiling_reach_m).mean() > 0.5)
 
     def _is_leaf(self, points: F64) -> bool:
         """Whether it is the leaf of a door that stands open: thin, as high as the door, hung on one of its jambs.

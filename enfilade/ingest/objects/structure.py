@@ -28,6 +28,36 @@ ALONG: Final = 0.7
 """Share of a side that must lie along the outline, or behind which there must be a wall."""
 
 
+class CeilingMap:
+    """Height of the ceiling over each cell of a room's plan, which slopes under a roof."""
+
+    def __init__(self, ceilings: list[Side], room: Room, surfels: Surfels) -> None:
+        self._corner = room.bounds[:2] - PLAN_CELL_M
+        self._shape = np.ceil((room.bounds[3:5] - self._corner) / PLAN_CELL_M).astype(int) + 2
+        self._height = np.full(tuple(self._shape), -np.inf)
+        for side in ceilings:
+            positions = surfels.positions[side.surfels].astype(np.float64)
+            cells = self._cells(positions)
+            np.maximum.at(self._height, (cells[:, 0], cells[:, 1]), positions[:, 2])
+        self._height = ndimage.maximum_filter(self._height, 3)
+        self._top = room.ceiling_elevation if room.ceiling_elevation is not None else float(room.bounds[5])
+        self._height[~np.isfinite(self._height)] = self._top
+
+    def _cells(self, places: F64) -> I32:
+        cells = np.floor((places[:, :2] - self._corner) / PLAN_CELL_M).astype(np.int32)
+        return np.clip(cells, 0, self._shape - 1).astype(np.int32)
+
+    def below(self, side: Side, surfels: Surfels) -> F64:
+        """``(n,)`` how far the surfels of a wall lie below the ceiling before it, nowhere above the room's own."""
+        positions = surfels.positions[side.surfels].astype(np.float64)
+        return self.over(positions + 0.1 * side.normal) - positions[:, 2]
+
+    def over(self, places: F64) -> F64:
+        """``(n,)`` how high the ceiling is over places, nowhere higher than the room's own."""
+        cells = self._cells(places)
+        return np.asarray(np.minimum(self._height[cells[:, 0], cells[:, 1]], self._top), dtype=np.float64)
+
+
 @dataclass(frozen=True, slots=True)
 class Structure:
     """Surfels that are structure, the sides of each room that they lie on, and the stairs.
@@ -40,6 +70,8 @@ class Structure:
         ``(M,) bool``, what is fixed flat to a wall, or built into it, and is none.
     sides
         By room: walls, floors, ceilings, slopes.
+    ceilings
+        By room: how high the ceiling is over its plan.
     flights
         Of the building.
     """
@@ -47,6 +79,7 @@ class Structure:
     surfels: Bool
     boards: Bool
     sides: Mapping[int, tuple[Side, ...]]
+    ceilings: Mapping[int, CeilingMap]
     flights: Sequence[Flight]
 
 
@@ -79,9 +112,10 @@ def find_structure(
     fixed, boards, in_side = np.zeros((3, len(surfels.positions)), dtype=bool)
     plane_fixed = np.zeros(len(planes.offsets) + 1, dtype=bool)
     kept: dict[int, tuple[Side, ...]] = {}
+    ceilings = {number: CeilingMap([], room, surfels) for number, room in rooms.items()}
     for number, of_room in groupby(sides, key=lambda side: side.room):
         seen = list(of_room)
-        kept[number], own = _sides_of_structure(seen, rooms[number], surfels, parameters)
+        kept[number], ceilings[number], own = _sides_of_structure(seen, rooms[number], surfels, parameters)
         for side in seen:
             in_side[side.surfels] = True
         for side in kept[number]:
@@ -90,7 +124,7 @@ def find_structure(
         fixed[own] = False
         boards[own] = True
     fixed |= ~in_side & plane_fixed[planes.surfel_plane]
-    return Structure(fixed, boards, kept, find_flights(surfels, ~fixed))
+    return Structure(fixed, boards, kept, ceilings, find_flights(surfels, ~fixed))
 
 
 def in_openings(points: F64, openings: Iterable[Opening], parameters: ObjectParameters) -> Bool:
@@ -125,10 +159,10 @@ def in_openings(points: F64, openings: Iterable[Opening], parameters: ObjectPara
 
 def _sides_of_structure(
     sides: list[Side], room: Room, surfels: Surfels, parameters: ObjectParameters
-) -> tuple[tuple[Side, ...], I32]:
-    """Return the sides of one room that are structure, and those of their surfels that stand off a wall."""
+) -> tuple[tuple[Side, ...], CeilingMap, I32]:
+    """Return the sides of one room that are structure, its ceiling, and the surfels that stand off a wall."""
     level = [side for side in sides if not side.vertical and _is_level(side, room, surfels, parameters)]
-    ceiling = _CeilingMap([side for side in level if side.normal[2] < 0], room, surfels)
+    ceiling = CeilingMap([side for side in level if side.normal[2] < 0], room, surfels)
     upright = [side for side in sides if side.vertical]
     tall = [_reaches_ceiling(side, ceiling, surfels, parameters) for side in upright]
     walls = [side for side, reaches in zip(upright, tall, strict=True) if reaches]
@@ -138,34 +172,7 @@ def _sides_of_structure(
         walls += [side for side in others if _is_parapet(side, outline, walls, surfels, parameters)]
     boards = [np.zeros(0, dtype=np.int32)]
     boards += [side.surfels[find_boards(side, ceiling.below(side, surfels), surfels, parameters)] for side in walls]
-    return (*level, *walls), np.concatenate(boards)
-
-
-class _CeilingMap:
-    """Height of the ceiling over each cell of a room's plan, which slopes under a roof."""
-
-    def __init__(self, ceilings: list[Side], room: Room, surfels: Surfels) -> None:
-        self._corner = room.bounds[:2] - PLAN_CELL_M
-        self._shape = np.ceil((room.bounds[3:5] - self._corner) / PLAN_CELL_M).astype(int) + 2
-        self._height = np.full(tuple(self._shape), -np.inf)
-        for side in ceilings:
-            positions = surfels.positions[side.surfels].astype(np.float64)
-            cells = self._cells(positions)
-            np.maximum.at(self._height, (cells[:, 0], cells[:, 1]), positions[:, 2])
-        self._height = ndimage.maximum_filter(self._height, 3)
-        self._top = room.ceiling_elevation if room.ceiling_elevation is not None else float(room.bounds[5])
-        self._height[~np.isfinite(self._height)] = self._top
-
-    def _cells(self, places: F64) -> I32:
-        cells = np.floor((places[:, :2] - self._corner) / PLAN_CELL_M).astype(np.int32)
-        return np.clip(cells, 0, self._shape - 1).astype(np.int32)
-
-    def below(self, side: Side, surfels: Surfels) -> F64:
-        """``(n,)`` how far the surfels of a wall lie below the ceiling before it, nowhere above the room's own."""
-        positions = surfels.positions[side.surfels].astype(np.float64)
-        cells = self._cells(positions + 0.1 * side.normal)
-        height = np.minimum(self._height[cells[:, 0], cells[:, 1]], self._top)
-        return np.asarray(height - positions[:, 2], dtype=np.float64)
+    return (*level, *walls), ceiling, np.concatenate(boards)
 
 
 def _is_level(side: Side, room: Room, surfels: Surfels, parameters: ObjectParameters) -> bool:
@@ -190,7 +197,7 @@ def _largest_piece(places: F64) -> float:
     return float(np.bincount(number[cells], minlength=count + 1).max()) * AREA_CELL_M**2
 
 
-def _reaches_ceiling(side: Side, ceiling: _CeilingMap, surfels: Surfels, parameters: ObjectParameters) -> bool:
+def _reaches_ceiling(side: Side, ceiling: CeilingMap, surfels: Surfels, parameters: ObjectParameters) -> bool:
     """Whether at least a third of a wall's columns end at the ceiling."""
     positions = surfels.positions[side.surfels].astype(np.float64)
     column = np.floor((positions @ side.u - side.bounds[0]) / CELL_M).astype(int)

@@ -29,6 +29,8 @@ CUT_M: Final = 0.05
 SHORT_M: Final = 0.1
 """A cut may leave so much more hull, in m² a metre, if it is shorter: of two that part as well, the shorter is right."""
 LEAST_CELLS: Final = 6
+WHOLE_AGAIN: Final = 3
+"""So many pieces make a combination."""
 INSIDE_M: Final = 0.12
 """What stands on a table is so far from the table's edge, in the middle."""
 
@@ -218,31 +220,47 @@ def _columns(points: F64, parameters: ObjectParameters) -> tuple[F64, I64]:
     return centres * parameters.plan_cell_m, column
 
 
-def cut_row(points: F64, parameters: ObjectParameters) -> Iterator[I64]:
-    """Cut what is longer than any one piece of furniture into modules.
+def cut_row(points: F64, floor_m: float, parameters: ObjectParameters) -> Iterator[I64]:
+    """Cut what is longer than any one piece of furniture, or one cupboard, into modules.
 
     Rows of kitchen units, cupboards and shelves show neither gaps nor steps where one ends. Up to three modules
-    make a unit again.
+    make a unit again, and one that is no row after all.
 
     Parameters
     ----------
     points
         ``(n, 3)`` metres, one part after `cut_bays`.
+    floor_m
+        Height of the floor: boards and pictures hang on the wall over it.
     parameters
-        Longest single piece, module, depth of a row.
+        Longest single piece, widest cupboard, module, depth of a row.
 
     Yields
     ------
     Indices of the points of each module.
     """
     frame, extent = _frame(_columns(points, parameters)[0])
-    if extent.max() <= parameters.max_single_m or extent.min() > parameters.max_row_depth_m:
+    length = float(extent.max())
+    along = points[:, :2] @ frame[:, int(extent.argmax())]
+    count = round(length / parameters.module_m)
+    if length <= parameters.max_single_m:
+        hangs = points[:, 2].min() > floor_m + parameters.min_board_m and extent.min() < parameters.min_board_m
+        front = length > parameters.max_unit_m and not hangs and _is_front(along, points[:, 2], parameters)
+        count = min(count, WHOLE_AGAIN) if front else 1
+    if count == 1 or extent.min() > parameters.max_row_depth_m:
         yield np.arange(len(points))
         return
-    along = points[:, :2] @ frame[:, int(extent.argmax())]
-    count = round(float(extent.max()) / parameters.module_m)
-    module = np.minimum((along - along.min()) / extent.max() * count, count - 1).astype(np.int64)
+    module = np.minimum((along - along.min()) / length * count, count - 1).astype(np.int64)
     yield from (np.flatnonzero(module == k) for k in np.unique(module))
+
+
+def _is_front(along: F64, height: F64, parameters: ObjectParameters) -> bool:
+    """Whether points fill an upright rectangle as high as a cupboard: none of tables, beds, radiators and shelves."""
+    places = np.column_stack([along, height])
+    extent = np.ptp(places, axis=0)
+    cells = np.unique(np.floor((places - places.min(axis=0)) / parameters.plan_cell_m), axis=0)
+    filled = len(cells) * parameters.plan_cell_m**2 / float(np.prod(extent + parameters.plan_cell_m))
+    return bool(extent[1] > parameters.min_cupboard_m and filled > parameters.min_front_fill)
 
 
 def _frame(places: F64) -> tuple[F64, F64]:
