@@ -44,6 +44,12 @@ def test_a_leaf_that_is_shut_or_stands_open_is_not_ajar(angle):
     assert with_leaves([door(0.0)], leaf(angle, 1, 1, 0.05, 0.0))[0].state == "open"
 
 
+def test_both_faces_of_a_leaf_that_is_shut_are_not_ajar():
+    faces = [leaf(0.0, 1, 1, depth, 0.0) for depth in (-0.02, 0.02)]
+    fields = [np.concatenate([getattr(face, name) for face in faces]) for name in Surfels.__dataclass_fields__]
+    assert with_leaves([door(0.0, "closed")], Surfels(*fields))[0].state == "closed"
+
+
 def test_half_of_a_plate_is_no_leaf():
     whole = leaf(20.0, 1, 1, 0.05, 0.0)
     half = np.flatnonzero(whole.positions[:, 2] < HEIGHT / 2)

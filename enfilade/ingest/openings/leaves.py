@@ -37,6 +37,9 @@ ACROSS: Final = 0.3
 CELL_M: Final = 0.15
 """Side of the cells of a leaf that are looked for."""
 
+WIDEST_M: Final = 1.3
+"""Wider holes have no single leaf."""
+
 FOOT_M: Final = 0.2
 """Nothing is asked so close to the floor and to the head of the door."""
 
@@ -45,9 +48,6 @@ REACH: Final = 1.6
 
 LEVELS: Final = 1000
 """More than there are cells above one another."""
-
-NEARLY: Final = 0.9
-"""Angles at which so much of the greatest share is covered are as good as the best."""
 
 COVERED: Final = 0.7
 """Share of a leaf that was seen, at least."""
@@ -71,21 +71,20 @@ def with_leaves(openings: Iterable[Opening], surfels: Surfels) -> list[Opening]:
     tree = cKDTree(surfels.positions[upright, :2])
     return [
         replace(opening, state="ajar")
-        if opening.kind == "door" and stands_ajar(opening, surfels, upright, tree)
+        if opening.kind == "door" and opening.width < WIDEST_M and stands_ajar(opening, surfels, upright, tree)
         else opening
         for opening in openings
     ]
 
 
 def stands_ajar(opening: Opening, surfels: Surfels, upright: I64, tree: cKDTree) -> bool:
-    """Whether surfels cover the leaf of a door, and best so where it stands ajar."""
-    covered = leaf_covered(opening, surfels, upright, tree)
-    best = ANGLES_DEG[covered > NEARLY * covered.max()]  # a plate is thick, so some angles are as good
-    return bool(covered.max() > COVERED and best.mean() > CLOSED_DEG)
+    """Whether surfels cover the leaf of a door, and face as one that stands ajar does."""
+    covered, angle_deg = leaf_of(opening, surfels, upright, tree)
+    return covered > COVERED and CLOSED_DEG < angle_deg
 
 
-def leaf_covered(opening: Opening, surfels: Surfels, upright: I64, tree: cKDTree) -> F64:
-    """Return the share of a door's leaf that surfels cover if it is turned by each of `ANGLES_DEG`.
+def leaf_of(opening: Opening, surfels: Surfels, upright: I64, tree: cKDTree) -> tuple[float, float]:
+    """Return the share of a door's leaf that surfels cover if it stands in the best of all ways, and its angle.
 
     Parameters
     ----------
@@ -95,6 +94,11 @@ def leaf_covered(opening: Opening, surfels: Surfels, upright: I64, tree: cKDTree
         Of the building.
     upright, tree
         Indices of the surfels that face sideways, and a tree of where they are in plan.
+
+    Returns
+    -------
+    Share, 0 to 1, and the angle that its surfels are turned from the wall, degrees: a plate is thick, so that of its
+    place is less sharp.
     """
     normal = opening.normal[:2] / np.linalg.norm(opening.normal[:2])
     axes = np.array([[-normal[1], normal[0]], normal])
@@ -105,7 +109,7 @@ def leaf_covered(opening: Opening, surfels: Surfels, upright: I64, tree: cKDTree
     place, facing = (surfels.positions[near, :2] - opening.position[:2]) @ axes.T, surfels.normals[near, :2] @ axes.T
     angle = np.radians(ANGLES_DEG)
     cells = (opening.width - CELL_M / 2) * (opening.height - 2 * FOOT_M) / CELL_M**2
-    best = np.zeros(len(angle))
+    best, turn = 0.0, 0.0
     for hand, swing in product((-1.0, 1.0), repeat=2):
         along = np.stack([-hand * np.cos(angle), swing * np.sin(angle)], axis=1)
         across = np.stack([along[:, 1], -along[:, 0]], axis=1)
@@ -116,5 +120,7 @@ def leaf_covered(opening: Opening, surfels: Surfels, upright: I64, tree: cKDTree
             on = turned & (np.abs(way @ across.T) < PLATE_M) & (reach > CELL_M / 2) & (reach < opening.width)
             for k in np.flatnonzero(on.sum(axis=0) > best * cells):
                 cell = np.floor(reach[on[:, k], k] / CELL_M).astype(np.int64) * LEVELS + level[on[:, k]]
-                best[k] = max(best[k], len(np.unique(cell)) / cells)
-    return np.minimum(best, 1.0)
+                covered = len(np.unique(cell)) / cells
+                if covered > best:
+                    best, turn = covered, float(np.median(np.abs(facing[on[:, k], 0])))
+    return min(best, 1.0), float(np.degrees(np.arcsin(min(turn, 1.0))))

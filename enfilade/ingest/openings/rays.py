@@ -98,9 +98,9 @@ class SideViews:
     sides
         In any order.
     surfels
-        Those that the sides index: what scatters more is thicker.
+        Those that the sides index: what is noisier is thicker.
     surface_m
-        Points this close to a side lie on it, however little it scatters.
+        Points this close to a side lie on it, however little noise it has.
     front_m
         Points this close stand before it.
     inset_m
@@ -111,7 +111,8 @@ class SideViews:
         self, rays: Rays, sides: Sequence[Side], surfels: Surfels, *, surface_m: float, front_m: float, inset_m: float
     ) -> None:
         self._rays, self._sides = rays, sides
-        self._surfaces = [max(surface_m, NOISE * _scatter(side, surfels)) for side in sides]
+        noise = _noise(rays, surfels)
+        self._surfaces = [max(surface_m, NOISE * _middle(noise[side.surfels])) for side in sides]
         grid = SideGrid(sides, self._surfaces, front_m=front_m, inset_m=inset_m)
         self._leaves = (rays.from_room != rays.to_room) | (rays.to_room < 0)
         self._leaving = np.flatnonzero(self._leaves).astype(np.int32)
@@ -171,9 +172,19 @@ def told_by_sight(rays: Rays, surfels: Surfels, unhindered: Bool) -> Rays:
     return replace(rays, to_room=to_room)
 
 
-def _scatter(side: Side, surfels: Surfels) -> float:
-    """Standard deviation of a side's surfels about it, by their median distance, metres."""
-    if not len(side.surfels):
-        return 0.0
-    height = surfels.positions[side.surfels] @ side.normal.astype(np.float32) - np.float32(side.offset)
-    return 1.4826 * float(np.median(np.abs(height)))
+def _noise(rays: Rays, surfels: Surfels) -> F32:
+    """``(M,)`` standard deviation of the points of each surfel about it, metres.
+
+    It tells the noise of a wall better than how its surfels lie about one plane: a leaf a little behind is no noise.
+    """
+    surfel = surfels.point_surfel
+    known = np.flatnonzero(surfel >= 0)
+    of = surfel[known]
+    height = np.einsum("ij,ij->i", rays.end[known] - surfels.positions[of], surfels.normals[of])
+    count = np.bincount(of, minlength=len(surfels.positions))
+    square = np.bincount(of, np.square(height), minlength=len(surfels.positions))
+    return np.asarray(np.sqrt(square / np.maximum(count, 1)), dtype=np.float32)
+
+
+def _middle(noise: F32) -> float:
+    return float(np.median(noise)) if len(noise) else 0.0
