@@ -18,6 +18,12 @@ from enfilade.ingest.records import F64, I32, Planes, RoomLabels, Surfels
 
 UP: Final = np.array([0.0, 0.0, 1.0])
 
+FIT_M: Final = 0.02
+"""A surfel so far from the plane of its side does not count when it is fitted: it may be on the leaf of a door."""
+
+FIT_ROUNDS: Final = 6
+"""Rounds in which a side finds its plane."""
+
 
 @dataclass(frozen=True, slots=True)
 class Patch:
@@ -176,20 +182,34 @@ def _coplanar(patches: list[Patch], surfels: Surfels, min_cosine: float, max_off
     return groups
 
 
-def _fitted(positions: F64, like: F64) -> F64:
-    """Return the unit normal of the plane through positions, turned as another one is."""
-    _, directions = np.linalg.eigh(np.cov((positions - positions.mean(axis=0)).T))
-    normal = directions[:, 0]
-    return np.asarray(normal * np.sign(normal @ like), dtype=np.float64)
+def _fitted(positions: F64, first: Patch) -> tuple[F64, float]:
+    """Return the plane through most of the positions, as unit normal and offset, to begin with that of a patch.
+
+    What lies a little before or behind, such as the leaf of a door, must not tilt the wall: each position counts less
+    the farther it is from the plane of the round before.
+    """
+    weight = _weight(positions @ first.normal - first.offset)
+    for _ in range(FIT_ROUNDS):
+        total = weight.sum()
+        centre = weight @ positions / total
+        shifted = positions - centre
+        normal = np.linalg.eigh((shifted * weight[:, None]).T @ shifted)[1][:, 0]
+        weight = _weight(shifted @ normal)
+    normal *= np.sign(normal @ first.normal)
+    return np.asarray(normal, dtype=np.float64), float(centre @ normal)
+
+
+def _weight(height: F64) -> F64:
+    """How much positions count that are so far from a plane (Tukey's biweight)."""
+    return np.asarray(np.maximum(1.0 - np.square(height / FIT_M), 0.0) ** 2 + 1e-6, dtype=np.float64)
 
 
 def _side(group: list[Patch], surfels: Surfels) -> Side:
     members = np.sort(np.concatenate([patch.surfels for patch in group]))
     positions = surfels.positions[members].astype(np.float64)
-    normal = group[0].normal if len(group) == 1 else _fitted(positions, group[0].normal)
+    normal, offset = _fitted(positions, group[0])
     u, v = axes(normal)
     in_plane = positions @ np.column_stack([u, v])
     bounds = np.concatenate([in_plane.min(axis=0), in_plane.max(axis=0)])
-    offset = float(np.median(positions @ normal))
     planes = tuple(sorted({patch.plane for patch in group}))
     return Side(group[0].room, planes, normal, offset, u, v, bounds, members)

@@ -13,7 +13,8 @@ from enfilade.ingest.openings.holes import Hole
 from enfilade.ingest.openings.leads import group_holes
 from enfilade.ingest.openings.parameters import OpeningParameters
 from enfilade.ingest.openings.rays import rays_of
-from enfilade.ingest.sides import cut_by_room, join_patches
+from enfilade.ingest.records import Surfels
+from enfilade.ingest.sides import Patch, cut_by_room, join_patches
 
 
 def openings_of(scene, **scan):
@@ -313,3 +314,21 @@ def test_a_mirror_on_an_outer_wall_is_no_window():
             low[which], high[which] = 6.0 - r.high[which], 6.0 - r.low[which]
             scene.add(r.axis, r.at, tuple(low), tuple(high), r.sign, -1, plane=False)
     assert openings_of(scene)[0] == ()
+
+
+def test_the_leaf_of_a_door_does_not_tilt_the_wall_that_it_was_joined_to():
+    """The leaf, 2.5 cm behind, is as large as the rest of the wall in sight."""
+    rng = np.random.default_rng(3)
+    wall = np.column_stack([rng.uniform(0, 3, 800), np.zeros(800), rng.uniform(0, 2.5, 800)])
+    leaf = np.column_stack([rng.uniform(0.3, 1.2, 500), np.full(500, -0.025), rng.uniform(0, 2.0, 500)])
+    positions = (np.concatenate([wall, leaf]) + rng.normal(0, 0.002, (1300, 3))).astype(np.float32)
+    normals = np.tile(np.array([0, 1, 0], np.float32), (1300, 1))
+    surfels = Surfels(positions, normals, np.zeros(1300, np.int32), np.arange(1300, dtype=np.int32))
+    parts = np.arange(800, dtype=np.int32), np.arange(800, 1300, dtype=np.int32)
+    patches = [
+        Patch(0, k, np.array([0.0, 1.0, 0.0]), off, own)
+        for k, (off, own) in enumerate(zip((0, -0.025), parts, strict=True))
+    ]
+    (side,) = join_patches(patches, surfels, max_angle_deg=8, max_offset_m=0.05)
+    assert abs(side.offset) < 0.003
+    assert side.normal[1] == pytest.approx(1.0, abs=1e-5)
