@@ -138,12 +138,12 @@ def _candidates(patches: list[Patch], surfels: Surfels, parameters: NeighbourPar
 
 def _overlay(a: Patch, b: Patch, surfels: Surfels, parameters: NeighbourParameters) -> _Contact | None:
     """Lay two patches over each other in the plane of the first; None where they share no cell."""
-    shared = np.intersect1d(_cells(a, a, surfels, parameters.cell_m), _cells(b, a, surfels, parameters.cell_m))
+    cells_a, cells_b = (_cell_keys(patch, a, surfels, parameters.cell_m) for patch in (a, b))
+    shared = np.intersect1d(np.unique(cells_a), np.unique(cells_b), assume_unique=True)
     if len(shared) == 0:
         return None
     behind = a.offset - surfels.positions[b.surfels] @ a.normal
-    on_shared = np.isin(_cell_keys(b, a, surfels, parameters.cell_m), shared)
-    gap = float(np.median(behind[on_shared]))
+    gap = float(np.median(behind[np.isin(cells_b, shared)]))
     return _Contact((a.plane, b.plane), gap, len(shared) * parameters.cell_m**2, abs(a.normal[2]) > np.sqrt(0.5))
 
 
@@ -152,10 +152,6 @@ def _cell_keys(patch: Patch, frame: Patch, surfels: Surfels, cell_m: float) -> N
     in_plane = surfels.positions[patch.surfels] @ np.column_stack(axes(frame.normal))
     cells = np.floor(in_plane / cell_m).astype(np.int64)
     return np.asarray((cells[:, 0] << 32) + cells[:, 1], dtype=np.int64)
-
-
-def _cells(patch: Patch, frame: Patch, surfels: Surfels, cell_m: float) -> NDArray[np.int64]:
-    return np.unique(_cell_keys(patch, frame, surfels, cell_m))
 
 
 def _neighbour(
