@@ -51,6 +51,8 @@ class GlimpseParameters:
         At most such a share of it may have less than so much height above: the space under a flight of stairs is no room.
     link_m
         Floor closer than this in plan with no wall between is of one room.
+    level_m, least_between_m2
+        Floor between those of other rooms, and farther than that from any, is a landing of stairs unless it is so large.
     least_links
         So many cells of floor beside a room's own, with no wall between, are of that room.
     furniture_m
@@ -71,6 +73,8 @@ class GlimpseParameters:
     headroom_m: float = 1.7
     most_low: float = 0.5
     link_m: float = 0.5
+    level_m: float = 0.6
+    least_between_m2: float = 4.0
     least_links: int = 3
     furniture_m: float = 1.3
     take_m: float = 1.0
@@ -109,6 +113,7 @@ def add_glimpsed_rooms(
     _give_to_scans(room, places, component, scanner_positions, labels.scan_room, structure, parameters)
     scanners = scanner_positions[surfels.scan[floor]]
     sure = _sure(places, component, scanners, structure, planes, parameters)
+    sure[_landings(places, component, plans, parameters)] = 0.0
     new = np.flatnonzero((room < 0) & (sure > 0.0))
     new = new[np.lexsort(np.round(_means(places, component)[new], 1).T[[1, 0, 2]])]
     room[new] = labels.room_count + np.arange(len(new), dtype=np.int32)
@@ -162,6 +167,14 @@ def _sure(
     kept = (size * parameters.cell_m**2 >= parameters.least_floor_m2) & (roofed >= parameters.least_roofed)
     kept &= (walled >= parameters.least_walled) & (low <= parameters.most_low)
     return np.where(kept, 0.25 * (1.0 + roofed) * walled, 0.0).astype(np.float32)
+
+
+def _landings(places: F32, component: I32, plans: Sequence[Plan], parameters: GlimpseParameters) -> Bool:
+    """``(components,)``: which are small floors between those of the rooms that are known."""
+    height = _means(places, component)[:, 2]
+    rises = height[:, None] - np.array([plan.floor_elevation for plan in plans])
+    between = (rises > 0.0).any(axis=1) & (rises < 0.0).any(axis=1) & (np.abs(rises) > parameters.level_m).all(axis=1)
+    return np.asarray(between & (np.bincount(component) * parameters.cell_m**2 < parameters.least_between_m2))
 
 
 def _adjoining(

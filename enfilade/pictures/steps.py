@@ -28,6 +28,8 @@ _DOWN_LAYER: Final = 2.0
 """Stairs that lead down lie under those that lead up through the same well."""
 _LABEL_PT: Final = 6.5
 _USUAL_STOREY_M: Final = 2.8
+_WIDEST_M: Final = 2.6
+"""Two flights beside each other; a hole wider than that is more than stairs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +118,11 @@ def draw_stairs(pen: Pen, stairs: Stairs, scene: PlanScene) -> None:
         style = SOLID if flight.measured and not stairs.opening.doubtful else DASHED
         shape = Polygon(flight.corners)
         seen.area(shape, layer=layer, fill=PAPER, edge=INK, weight=SEEN_MM, style=style, gid=gid)
-        _draw_treads(seen, flight, _cut(flight, stairs), style, layer)
+        if flight.measured or min(flight.width, flight.length) <= _WIDEST_M:
+            _draw_treads(seen, flight, _cut(flight, stairs), style, layer)
+        else:
+            a, b, c, d = flight.corners
+            seen.lines([np.array([a, c]), np.array([b, d])], layer=layer + 0.1, weight=FINE_MM, style=DASHED)
         if flight.measured:
             _draw_arrow(seen, flight, layer, rising=stairs.upward is not False)
         gid = None

@@ -92,3 +92,13 @@ def test_the_space_under_a_flight_of_stairs_is_no_room() -> None:
 def test_too_little_floor_makes_no_room() -> None:
     surfels, planes, labels, plans, scanners = labelled([scan(LEFT, [LEFT, BEHIND], DOOR)])
     assert add_glimpsed_rooms(surfels, planes, labels, plans, scanners, GlimpseParameters(least_floor_m2=6.0)) is labels
+
+
+def test_a_small_floor_between_two_storeys_is_a_landing_and_no_room() -> None:
+    surfels, planes, labels, (plan,), scanners = labelled([scan(LEFT, [LEFT, BEHIND], DOOR)])
+    below, above = replace(plan, floor_elevation=-1.4), replace(plan, floor_elevation=1.4)
+    small = GlimpseParameters(least_between_m2=6.0)
+    assert add_glimpsed_rooms(surfels, planes, labels, [below, above], scanners, small).room_count == 1
+    assert add_glimpsed_rooms(surfels, planes, labels, [below], scanners, small).room_count == 2
+    large = GlimpseParameters(least_between_m2=1.5)
+    assert add_glimpsed_rooms(surfels, planes, labels, [below, above], scanners, large).room_count == 2

@@ -25,6 +25,7 @@ from enfilade.pictures.paper import choose_sheet, lay_out
 from enfilade.pictures.plan import draw_plan, draw_plans, find_storey
 from enfilade.pictures.reveals import plan_grid
 from enfilade.pictures.scene import PlannedRoom, plan_scene
+from enfilade.pictures.steps import all_flights, draw_stairs, find_stairs
 from enfilade.pictures.storey_plan import plan_storeys, surroundings
 from enfilade.schema.graph import BuildingGraph, Node
 
@@ -273,6 +274,31 @@ def test_a_flight_that_nearly_runs_with_the_walls_does(graph):
     opening = plan_scene(graph, ["b/r0"]).openings[-1]
     (flight,) = find_flights(plan_grid(cloud_of(points), AS_SCANNED), opening, 0.0, 2.8)
     assert flight.up.tolist() == [1.0, 0.0]
+
+
+class Drawn:
+    """A pen that only counts lines."""
+
+    def __init__(self):
+        self.count = 0
+
+    def lines(self, lines, **_):
+        self.count += len(lines)
+
+    def area(self, *_, **__):
+        pass
+
+    write = area
+
+
+@pytest.mark.parametrize(("width", "length", "lines"), [(1.0, 3.0, 13), (3.7, 4.3, 2)])
+def test_a_hole_wider_than_stairs_is_crossed_and_has_no_treads(graph, width, length, lines):
+    add_opening(graph, 9, "stairs", [2.0, 1.5, 2.8], [0, 0, 1.0], ["b/r0"], width=width, height=length)
+    scene = plan_scene(graph, ["b/r0"])
+    (stairs,) = find_stairs(scene, all_flights([scene], None))
+    pen = Drawn()
+    draw_stairs(pen, stairs, scene)
+    assert pen.count == lines
 
 
 def test_no_flight_is_found_in_a_room_with_walls_and_tables(graph):
