@@ -49,12 +49,17 @@ class GlimpseParameters:
         and that have a wall behind.
     headroom_m, most_low
         At most such a share of it may have less than so much height above: the space under a flight of stairs is no room.
+    least_in_sight, step_m, storey_m
+        What lies under a roof, in the sight of its scanners to such a share, is no other room; it is of theirs if it
+        lies no deeper below their floor than the one, and of another storey from the other on.
     link_m
         Floor closer than this in plan with no wall between is of one room.
     level_m, least_between_m2
         Floor between those of other rooms, and farther than that from any, is a landing of stairs unless it is so large.
     least_links
         So many cells of floor beside a room's own, with no wall between, are of that room.
+    fragment_m
+        So far apart may be two pieces of the floor of a room that was looked into.
     furniture_m
         What looks like floor up to this height over other floor is the top of furniture.
     take_m
@@ -64,7 +69,7 @@ class GlimpseParameters:
     """
 
     cell_m: float = 0.20
-    least_floor_m2: float = 1.5
+    least_floor_m2: float = 1.0
     eye_m: float = 1.2
     wall_eye_m: float = 1.7
     reach_m: float = 12.0
@@ -72,13 +77,40 @@ class GlimpseParameters:
     least_walled: float = 0.7
     headroom_m: float = 1.7
     most_low: float = 0.5
+    least_in_sight: float = 0.5
+    step_m: float = 0.5
+    storey_m: float = 2.0
     link_m: float = 0.5
     level_m: float = 0.6
     least_between_m2: float = 4.0
     least_links: int = 3
+    fragment_m: float = 2.0
     furniture_m: float = 1.3
     take_m: float = 1.0
     close_doors_m: float = 2.4
+
+
+@dataclass(frozen=True, slots=True)
+class _Signs:
+    """What is told about each place on a floor, ``(n,)``.
+
+    Whether something is above, and low; whether there is a wall behind, seen from its scanner; whether nothing is
+    between, with doors and windows closed.
+    """
+
+    roofed: Bool
+    low: Bool
+    walled: Bool
+    in_sight: Bool
+
+
+@dataclass(frozen=True, slots=True)
+class _Scans:
+    """Where scanners stood, ``(S, 3)``; their rooms, -1 outside, and these rooms' floors, ``(S,)``."""
+
+    positions: F32
+    room: I32
+    floors: F64
 
 
 def add_glimpsed_rooms(
@@ -91,7 +123,8 @@ def add_glimpsed_rooms(
 ) -> RoomLabels:
     """Make rooms of what lies in no plan but has floor, roof and walls; they get the numbers after the others.
 
-    What a room goes on into with no wall between is given to that room.
+    What a room goes on into with no wall between is given to that room, and so is what its scanners see inside
+    with no door, window or lintel between.
 
     Parameters
     ----------
@@ -107,14 +140,22 @@ def add_glimpsed_rooms(
     if not len(floor):
         return labels
     places = surfels.positions[floor]
-    component = _linked(places, structure, parameters)
+    component = _linked(places, structure, parameters.link_m, parameters)
     known = _one_a_cell(surfels, planes, _known_floor(surfels, planes, labels, plans), parameters.cell_m)
     room = _adjoining(places, component, surfels.positions[known], labels.after[known], structure, parameters)
     _give_to_scans(room, places, component, scanner_positions, labels.scan_room, structure, parameters)
-    scanners = scanner_positions[surfels.scan[floor]]
-    sure = _sure(places, component, scanners, structure, planes, parameters)
+    signs = _signs(places, scanner_positions[surfels.scan[floor]], structure, planes, parameters)
+    floors = np.array([plan.floor_elevation for plan in plans])[labels.scan_room]
+    seen_from = _Scans(scanner_positions, labels.scan_room, floors)
+    own = _open_to_scanners(places, component, floors[surfels.scan[floor]], signs, parameters)
+    _give_to_lookers(room, places, component, own, seen_from, structure, parameters)
+    looked_into = ~own & (room < 0) & (_shares(component, signs.walled) >= parameters.least_walled)
+    component = _fragments_joined(places, component, looked_into, structure, parameters)
+    sure = _sure(component, signs, parameters)
+    sure[: len(room)] = 0.0
     sure[_landings(places, component, plans, parameters)] = 0.0
-    new = np.flatnonzero((room < 0) & (sure > 0.0))
+    room = np.append(room, np.full(len(sure) - len(room), -1, np.int32))
+    new = np.flatnonzero(sure > 0.0)
     new = new[np.lexsort(np.round(_means(places, component)[new], 1).T[[1, 0, 2]])]
     room[new] = labels.room_count + np.arange(len(new), dtype=np.int32)
     return _taken_in(surfels, labels, places, room[component], sure[component], structure, len(new), parameters)
@@ -149,23 +190,32 @@ def _one_a_cell(surfels: Surfels, planes: Planes, chosen: I64, cell_m: float) ->
 
 def _means(places: F32, component: I32) -> F64:
     size = np.bincount(component)
-    return np.stack([np.bincount(component, places[:, axis]) for axis in range(3)], axis=1) / size[:, None]
+    return np.stack([np.bincount(component, places[:, axis]) for axis in range(3)], axis=1) / np.maximum(size, 1)[:, None]
 
 
-def _sure(
-    places: F32, component: I32, scanners: F32, structure: Structure, planes: Planes, parameters: GlimpseParameters
-) -> F32:
-    """How sure it is that each component of places, each seen by a scanner, is a room; 0 where it is not.
+def _signs(
+    places: F32, scanners: F32, structure: Structure, planes: Planes, parameters: GlimpseParameters
+) -> _Signs:
+    above = structure.cast(places + _LIFT_M * _UP, np.repeat(_UP, len(places), axis=0)).distance
+    in_sight = ~structure.blocked(places + _LIFT_M * _UP, scanners)
+    walled = _walled(places, scanners, structure, planes, parameters)
+    return _Signs(np.isfinite(above), above < parameters.headroom_m, walled, in_sight)
+
+
+def _shares(component: I32, sign: Bool) -> F64:
+    """Share of the places of each component that have a sign."""
+    return np.asarray(np.bincount(component, sign) / np.maximum(np.bincount(component), 1), np.float64)
+
+
+def _sure(component: I32, signs: _Signs, parameters: GlimpseParameters) -> F32:
+    """How sure it is that each component is a room; 0 where it is not.
 
     Seen in part and from outside, a room is never as sure as one that a scanner stood in.
     """
-    size = np.bincount(component)
-    clearance = _clearance(places, structure)
-    roofed = np.bincount(component, np.isfinite(clearance)) / size
-    low = np.bincount(component, clearance < parameters.headroom_m) / size
-    walled = np.bincount(component, _walled(places, scanners, structure, planes, parameters)) / size
-    kept = (size * parameters.cell_m**2 >= parameters.least_floor_m2) & (roofed >= parameters.least_roofed)
-    kept &= (walled >= parameters.least_walled) & (low <= parameters.most_low)
+    roofed, walled = _shares(component, signs.roofed), _shares(component, signs.walled)
+    kept = np.bincount(component) * parameters.cell_m**2 >= parameters.least_floor_m2
+    kept &= (roofed >= parameters.least_roofed) & (walled >= parameters.least_walled)
+    kept &= _shares(component, signs.low) <= parameters.most_low
     return np.where(kept, 0.25 * (1.0 + roofed) * walled, 0.0).astype(np.float32)
 
 
@@ -175,6 +225,55 @@ def _landings(places: F32, component: I32, plans: Sequence[Plan], parameters: Gl
     rises = height[:, None] - np.array([plan.floor_elevation for plan in plans])
     between = (rises > 0.0).any(axis=1) & (rises < 0.0).any(axis=1) & (np.abs(rises) > parameters.level_m).all(axis=1)
     return np.asarray(between & (np.bincount(component) * parameters.cell_m**2 < parameters.least_between_m2))
+
+
+def _open_to_scanners(
+    places: F32, component: I32, floors: F64, signs: _Signs, parameters: GlimpseParameters
+) -> Bool:
+    """Components of places that are inside and seen over no threshold by scanners over `floors`, one for each place.
+
+    Such are landings, the space under a flight, the foot of a slope. What lies far below its scanner's floor is of
+    another storey, seen down the stairs.
+    """
+    near = signs.in_sight & (floors - places[:, 2] < parameters.storey_m)
+    enclosed = _shares(component, signs.walled) >= parameters.least_walled
+    enclosed |= _shares(component, signs.low) > parameters.most_low
+    enclosed &= _shares(component, signs.roofed) >= parameters.least_in_sight
+    return np.asarray(enclosed & (_shares(component, near) >= parameters.least_in_sight))
+
+
+def _give_to_lookers(
+    room: I32,
+    places: F32,
+    component: I32,
+    own: Bool,
+    scans: _Scans,
+    structure: Structure,
+    parameters: GlimpseParameters,
+) -> None:
+    """Give components that are open to scanners to the room, with no higher floor, from which most of them is seen."""
+    inside = np.flatnonzero(scans.room >= 0)
+    place = np.flatnonzero(own[component] & (room[component] < 0))
+    place = np.repeat(place, len(inside))
+    scan = np.tile(inside, len(place) // max(len(inside), 1))
+    near = np.linalg.norm(scans.positions[scan] - places[place], axis=1) < parameters.reach_m
+    near &= scans.floors[scan] - places[place, 2] < parameters.step_m
+    place, scan = place[near], scan[near]
+    sees = ~structure.blocked(places[place] + _LIFT_M * _UP, scans.positions[scan])
+    pairs = np.unique(np.stack([place[sees], scans.room[scan[sees]]]), axis=1)
+    votes, count = np.unique(np.stack([component[pairs[0]], pairs[1]]), axis=1, return_counts=True)
+    order = np.argsort(count, kind="stable")
+    room[votes[0, order]] = votes[1, order]
+
+
+def _fragments_joined(
+    places: F32, component: I32, looked_into: Bool, structure: Structure, parameters: GlimpseParameters
+) -> I32:
+    """Components with those that were looked into numbered anew, so that furniture before a floor does not part it."""
+    chosen = np.flatnonzero(looked_into[component])
+    joined = component.copy()
+    joined[chosen] = len(looked_into) + _linked(places[chosen], structure, parameters.fragment_m, parameters)
+    return joined
 
 
 def _adjoining(
@@ -247,18 +346,13 @@ def _flattened(parameters: GlimpseParameters) -> F32:
     return np.array([1.0, 1.0, parameters.link_m / parameters.furniture_m], np.float32)
 
 
-def _linked(places: F32, structure: Structure, parameters: GlimpseParameters) -> I32:
+def _linked(places: F32, structure: Structure, reach_m: float, parameters: GlimpseParameters) -> I32:
     """``(n,)`` component of each place: of one are those close together in plan with no wall between, tables too."""
     eye = parameters.eye_m * _UP
-    pairs = cKDTree(places * _flattened(parameters)).query_pairs(parameters.link_m, output_type="ndarray")
+    pairs = cKDTree(places * _flattened(parameters)).query_pairs(reach_m, output_type="ndarray")
     free = ~structure.blocked(places[pairs[:, 0]] + eye, places[pairs[:, 1]] + eye)
     links = sparse.coo_array((np.ones(free.sum(), np.int8), tuple(pairs[free].T)), shape=(len(places), len(places)))
     return np.asarray(sparse.csgraph.connected_components(links, directed=False)[1], np.int32)
-
-
-def _clearance(places: F32, structure: Structure) -> F32:
-    """``(n,)`` metres from each place up to what is above, infinite where nothing is."""
-    return structure.cast(places + _LIFT_M * _UP, np.repeat(_UP, len(places), axis=0)).distance
 
 
 def _walled(

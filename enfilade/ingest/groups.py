@@ -23,6 +23,8 @@ I64 = NDArray[np.int64]
 _LEVEL: Final = 0.7
 _OVERHEAD: Final = 0.25
 """What faces down by so much, even a steep roof, is overhead."""
+_TRIPOD_M: Final = 2.5
+"""Highest that a scanner stands over its floor."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,13 +139,17 @@ def _votes(scan_room: I32, views: Views, doubtful_open: float) -> Bool:
 def _clearance(structure: Structure, planes: Planes, scanners: F32, sign: float) -> F32:
     """``(S,)`` metres up (`sign` 1) to the ceiling or down (-1) to the floor, infinite where there is none.
 
-    It is the lower quartile of the level faces that rays in three cones meet, so that a skylight over the scanner or
-    a stair well under it is not taken for the whole ceiling or floor.
+    It is the lower quartile of the level faces that rays in four cones meet, so that a skylight over the scanner or
+    a stair well under it is not taken for the whole ceiling or floor. Where a scanner on a landing sees little of it,
+    more of the floors below, it stands on what lies no deeper than a tripod is high.
     """
     hits, cone = _cone(structure, scanners, sign)
     directions = np.tile(cone, (len(scanners), 1))
     facing = hits.front & (sign * np.append(planes.normals[:, 2], 0.0)[hits.plane] < -_LEVEL)
     height = np.where(facing, hits.distance * np.abs(directions[:, 2]), np.nan).reshape(len(scanners), -1)
+    if sign < 0.0:
+        standing = height < _TRIPOD_M
+        height[~standing & standing.any(axis=1, keepdims=True)] = np.nan
     seen = np.isfinite(height).any(axis=1)
     clearance = np.full(len(scanners), np.inf, np.float32)
     clearance[seen] = np.nanquantile(height[seen], 0.25, axis=1)
@@ -151,9 +157,9 @@ def _clearance(structure: Structure, planes: Planes, scanners: F32, sign: float)
 
 
 def _cone(structure: Structure, scanners: F32, sign: float) -> tuple[Hits, F32]:
-    """What 24 rays up or down from each scanner meet, one scanner after the other, and their directions ``(24, 3)``."""
-    azimuth = 2.0 * np.pi * np.arange(24) / 24.0
-    tilt = np.tile([0.1, 0.4, 0.8], 8)
+    """What 48 rays up or down from each scanner meet, one scanner after the other, and their directions ``(48, 3)``."""
+    azimuth = 2.0 * np.pi * np.arange(48) / 48.0
+    tilt = np.tile([0.1, 0.4, 0.6, 0.8], 12)
     rays = np.stack([np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), sign * np.cos(tilt)], axis=1)
     cone = rays.astype(np.float32)
     return structure.cast(np.repeat(scanners, len(cone), axis=0), np.tile(cone, (len(scanners), 1))), cone

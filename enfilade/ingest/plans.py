@@ -30,6 +30,8 @@ _LEAST_FACE: Final = 8
 """Surfels under the ceiling that make a plane a wall along which an outline is drawn."""
 _IN_PLAN: Final = np.array([1.0, 1.0, 0.0], np.float32)
 _ONE_LEVEL_M: Final = 0.1
+_TRIPOD_M: Final = 0.5
+"""Lowest that a scanner stands over its floor: a landing at its height is none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +132,7 @@ def _floor(planes: Planes, parts: _Parts, scanners: F32, parameters: RoomPlanPar
     """
     upward = _on(planes.horizontal & (planes.normals[:, 2] > 0.0), parts.plane)
     if len(scanners):
-        upward &= parts.positions[:, 2] < scanners[:, 2].min()
+        upward &= parts.positions[:, 2] < scanners[:, 2].min() - _TRIPOD_M
     if not upward.any():
         return -1
     plane, height = parts.plane[upward], parts.positions[upward, 2]

@@ -104,6 +104,20 @@ def test_numbers_do_not_depend_on_the_order_of_scans() -> None:
     assert groups.scan_room.tolist() == [1, 0]
 
 
+def test_a_scanner_on_a_landing_stands_on_it_though_it_sees_more_of_the_floor_below() -> None:
+    """Under the tripod nothing is seen, before it and behind it a strip of the landing."""
+    levels = [level((-1.2, -0.9), 2.8), level((0.9, 1.2), 2.8), level((-4.0, 4.0), 0.0), level((-4.0, 4.0), 5.3)]
+    cloud = thin([Scan.of_points("landing", "stairs.e57", np.concatenate(levels), np.array([1.2, 0.0, 4.3]))])
+    groups = group_scans(find_planes(make_surfels(cloud)), cloud.scanner_positions)
+    assert groups.floors.tolist() == pytest.approx([2.8], abs=0.02)
+
+
+def level(span: tuple[float, float], z: float) -> np.ndarray:
+    """Points of a floor 2.4 m wide."""
+    grid = np.meshgrid(np.arange(0.0, 2.4, 0.02), np.arange(*span, 0.02), [z], indexing="ij")
+    return np.stack(grid, axis=-1).reshape(-1, 3)
+
+
 def test_given_rooms_override_the_automatic_groups(two_rooms: Building) -> None:
     scanners = two_rooms.cloud.scanner_positions
     joined = group_scans(two_rooms.planes, scanners, {0: "suite", 1: "suite"})
