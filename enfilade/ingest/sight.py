@@ -46,6 +46,8 @@ class SightParameters:
         Width of the pieces of wall that are each found open or closed.
     least_wall_m
         So much wall at least must lie between what two scans overlook to be asked alone.
+    door_head_m
+        Doors end less than this above a scanner.
     wide_m
         A hole up to the ceiling that is this wide leaves one room, whatever wall there is beside it.
     """
@@ -60,6 +62,7 @@ class SightParameters:
     wall_m: float = 0.6
     piece_m: float = 0.1
     least_wall_m: float = 0.5
+    door_head_m: float = 0.75
     wide_m: float = 2.2
 
 
@@ -105,20 +108,22 @@ def compare_views(
     pairs = np.sort(cKDTree(scanners).query_pairs(parameters.reach_m, output_type="ndarray"), axis=1)
     pairs = pairs[np.abs(scanners[pairs[:, 0], 2] - scanners[pairs[:, 1], 2]) <= parameters.level_m]
     pairs = pairs[np.lexsort(pairs.T[::-1])]
-    viewpoints, ends = _levelled(scanners, viewpoints, pairs)
+    viewpoints, ends = _levelled(scanners, viewpoints, pairs, parameters.door_head_m)
     places = _free_places(structure, viewpoints, parameters)
     own = _own_places(structure, viewpoints, places) & _roofed(structure, places)
     openness = np.array([_openness(structure, planes, viewpoints, places, own, a, b, parameters) for a, b in ends])
     return Views(pairs, openness.reshape(-1))
 
 
-def _levelled(scanners: F32, viewpoints: F32, pairs: I64) -> tuple[F32, I64]:
+def _levelled(scanners: F32, viewpoints: F32, pairs: I64, door_head_m: float) -> tuple[F32, I64]:
     """Add viewpoints so that the two of each pair are equally high, under the lower of their ceilings.
 
     Returns all viewpoints, first those given, and ``(n, 2)`` which of them are compared for each pair. None is let down
-    below the scanners of its pair; the two stay where they are instead.
+    below the scanners of its pair or the head of a door, as where one stood under a flight of stairs; the two stay
+    where they are instead.
     """
-    height, least = viewpoints[:, 2][pairs], scanners[:, 2][pairs].max(axis=1, initial=-np.inf)
+    height, stand = viewpoints[:, 2][pairs], scanners[:, 2][pairs]
+    least = np.maximum(stand.max(axis=1, initial=-np.inf), stand.min(axis=1, initial=np.inf) + door_head_m)
     low = height.min(axis=1, initial=np.inf)
     pair, end = np.nonzero((height > low[:, None] + _LEVEL_STEP_M) & (low >= least)[:, None])
     level = np.round(low / _LEVEL_STEP_M).astype(np.int64)

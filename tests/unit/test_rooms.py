@@ -89,6 +89,14 @@ def test_a_high_part_of_a_room_and_a_low_one_are_one_room(top: float, rooms: int
     assert len(set(build(parts).groups.scan_room.tolist())) == rooms
 
 
+def test_a_scan_under_a_low_ceiling_does_not_look_through_the_door_for_others() -> None:
+    low = Box((0.0, 0.0, 0.0), (4.0, 3.0, 2.0), (1.5, 1.2, 1.5), "low")
+    high = Box((4.15, 0.0, 0.0), (8.0, 3.0, 2.5), (6.5, 1.8, 1.5), "high")
+    wide = Door(4.075, (0.3, 2.6), 1.95)
+    parts = [scan(box, [low, high], wide, spacing=0.03) for box in (low, high)]
+    assert build(parts).groups.scan_room.tolist() == [0, 1]
+
+
 def test_a_room_far_along_a_corridor_is_not_joined_to_it_by_what_is_seen_at_a_slant() -> None:
     corridor = Box((0.0, 0.0, 0.0), (1.6, 16.0, 2.5), (0.6, 2.0, 1.5), "corridor")
     room = Box((1.75, 11.0, 0.0), (5.5, 15.0, 2.5), (3.6, 13.6, 1.5), "room")
