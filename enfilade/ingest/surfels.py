@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .cells import CellGrid, Gathered
 from .moments import MOMENTS, add_point, fit_plane
-from .parallel import in_slices
+from .parallel import at_once, in_slices, slices
 from .records import F32, F64, I32, Surfels, ThinnedCloud
 
 I64 = NDArray[np.int64]
@@ -53,9 +53,10 @@ def make_surfels(cloud: ThinnedCloud, parameters: SurfelParameters = SurfelParam
     least = parameters.least_points, parameters.least_spread_m**2
     in_slices(_fit_normals, len(views), normals, views.keys, grid.row_offsets(), moments, scan, towards, *least)
     cells = Gathered.by(cell)
-    view_surfel, leading, sums = _join_views(cells.order, cells.bounds, moments, normals)
+    view_surfel, leading, sums = _join(cells, moments, normals)
     positions = (sums[:, 1:4] / sums[:, :1] + low).astype(np.float32)
-    point_surfel = _spread(view_surfel, views.order, views.bounds)
+    point_surfel = np.empty(len(cloud.positions), np.int32)
+    in_slices(_spread, len(views), point_surfel, view_surfel, views.order, views.bounds)
     return Surfels(positions, _unit(sums[:, 4:]), scan[leading].astype(np.int32), point_surfel)
 
 
@@ -108,22 +109,40 @@ def _fit_normals(
             normals[i, axis] = normal[axis] if side >= 0.0 else -normal[axis]
 
 
-@njit(cache=True, nogil=True)
-def _join_views(order: I64, bounds: I64, moments: F64, normals: F64) -> tuple[I32, I64, F64]:
-    """Join the views of each cell, ``order[bounds[c]:bounds[c + 1]]``, into surfels, in order of cells; sorts `order`.
-
-    The view with most points leads, of those that have a normal; views of the cell that look at it from the other
-    side make a second surfel. Views without a normal go with the leader.
+def _join(cells: Gathered, moments: F64, normals: F64) -> tuple[I32, I64, F64]:
+    """Join the views of each cell into surfels, in order of cells; sorts the views of a cell.
 
     Returns
     -------
     Which surfel each view belongs to, -1 for none; of each surfel the view with most points, and its sums
     ``(m, 7)``: points, their x, y, z, and the views' normals, each as often as it has points.
     """
-    view_surfel = np.full(len(order), -1, np.int32)
-    leading, sums = np.empty(len(order), np.int64), np.zeros((len(order), 7))
+    view_surfel = np.full(len(cells.order), -1, np.int32)
+    arguments = view_surfel, cells.order, cells.bounds, moments, normals
+    parts = slices(len(cells))
+    found = at_once(_join_views, ((*part, *arguments) for part in parts))
+    before = np.cumsum([0, *(len(leading) for leading, _ in found)])
+    at_once(
+        _count_on,
+        ((*part, view_surfel, cells.order, cells.bounds, done) for part, done in zip(parts, before, strict=False)),
+    )
+    leading = np.concatenate([np.zeros(0, np.int64), *(leading for leading, _ in found)])
+    return view_surfel, leading, np.concatenate([np.zeros((0, 7)), *(sums for _, sums in found)])
+
+
+@njit(cache=True, nogil=True)
+def _join_views(
+    first: int, past: int, view_surfel: I32, order: I64, bounds: I64, moments: F64, normals: F64
+) -> tuple[I64, F64]:
+    """Join the views of cells `first` to `past`, ``order[bounds[c]:bounds[c + 1]]``; surfels are counted from 0 on.
+
+    The view with most points leads, of those that have a normal; views of the cell that look at it from the other
+    side make a second surfel. Views without a normal go with the leader. Returns leaders and sums as `_join`.
+    """
+    most = bounds[past] - bounds[first]
+    leading, sums = np.empty(most, np.int64), np.zeros((most, 7))
     count = 0
-    for cell in range(len(bounds) - 1):
+    for cell in range(first, past):
         views = order[bounds[cell] : bounds[cell + 1]]
         _sort_by_points(views, moments)
         leader = -1
@@ -145,7 +164,15 @@ def _join_views(order: I64, bounds: I64, moments: F64, normals: F64) -> tuple[I3
                     for axis in range(3):
                         sums[count, 4 + axis] += moments[view, 0] * normals[view, axis]
             count += found
-    return view_surfel, leading[:count].copy(), sums[:count].copy()
+    return leading[:count].copy(), sums[:count].copy()
+
+
+@njit(cache=True, nogil=True)
+def _count_on(first: int, past: int, view_surfel: I32, order: I64, bounds: I64, done: int) -> None:
+    """Number the surfels of cells `first` to `past` after those of the cells before."""
+    for at in range(bounds[first], bounds[past]):
+        if view_surfel[order[at]] >= 0:
+            view_surfel[order[at]] += done
 
 
 @njit(cache=True, nogil=True)
@@ -165,13 +192,11 @@ def _dot(a: F64, b: F64) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _spread(view_surfel: I32, order: I64, bounds: I64) -> I32:
-    """``(N,)`` the surfel of each point."""
-    point_surfel = np.empty(len(order), np.int32)
-    for view in range(len(bounds) - 1):
+def _spread(first: int, past: int, point_surfel: I32, view_surfel: I32, order: I64, bounds: I64) -> None:
+    """Fill in the surfel of each point of views `first` to `past`."""
+    for view in range(first, past):
         for at in range(bounds[view], bounds[view + 1]):
             point_surfel[order[at]] = view_surfel[view]
-    return point_surfel
 
 
 def _unit(vectors: F64) -> F32:
