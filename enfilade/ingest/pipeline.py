@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -123,10 +124,12 @@ def ingest(
     watch.start("graph")
     found = Findings(cloud, surfels, planes, labels, rooms, storeys, neighbours, openings, objects)
     tables = [table for table in (rooms_csv, positions_csv, *trajectory) if table is not None]
-    origin_of_all = provenance(files, tables, parameters)
+    with ThreadPoolExecutor(1) as worker:  # the files are hashed while the points are labelled
+        made_from = worker.submit(provenance, files, tables, parameters)
+        labelled = assemble_cloud(found)
     said = building if name is None else name
-    graph = assemble_graph(building, said, found, parameters.descriptors.shape, origin_of_all)
-    return Ingested(graph, assemble_cloud(found), watch.stop())
+    graph = assemble_graph(building, said, found, parameters.descriptors.shape, made_from.result())
+    return Ingested(graph, labelled, watch.stop())
 
 
 def _rooms(
