@@ -5,16 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from box_scene import BoxScene, two_rooms
+from shapely import Polygon
 
 from enfilade.ingest.neighbours import find_neighbours
 from enfilade.ingest.openings import find_openings
+from enfilade.ingest.openings.blind import above_floor, bounds_room
 from enfilade.ingest.openings.evidence import Walls
 from enfilade.ingest.openings.holes import Hole
 from enfilade.ingest.openings.leads import group_holes
 from enfilade.ingest.openings.parameters import OpeningParameters
 from enfilade.ingest.openings.rays import rays_of
 from enfilade.ingest.records import Surfels
-from enfilade.ingest.sides import Patch, cut_by_room, join_patches
+from enfilade.ingest.sides import Patch, Side, cut_by_room, join_patches
 
 
 def openings_of(scene, **scan):
@@ -332,3 +334,43 @@ def test_the_leaf_of_a_door_does_not_tilt_the_wall_that_it_was_joined_to():
     (side,) = join_patches(patches, surfels, max_angle_deg=8, max_offset_m=0.05)
     assert abs(side.offset) < 0.003
     assert side.normal[1] == pytest.approx(1.0, abs=1e-5)
+
+
+def upright_hole(x: float, edges: tuple[float, float, float, float]) -> tuple[Hole, Surfels]:
+    """Return a hole in a wall at x that faces -x, and the wall around it."""
+    places = np.stack(np.meshgrid([x], np.arange(0.0, 4.0, 0.05), np.arange(-2.0, 2.5, 0.05)), axis=-1).reshape(-1, 3)
+    count, none = len(places), np.zeros(0)
+    surfels = Surfels(
+        places.astype(np.float32),
+        np.tile(np.float32([-1, 0, 0]), (count, 1)),
+        np.zeros(count, np.int32),
+        np.arange(count, dtype=np.int32),
+    )
+    axes = np.array([-1.0, 0.0, 0.0]), -x, np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
+    side = Side(0, (0,), *axes, np.array([0.0, -2.0, 4.0, 2.5]), np.arange(count, dtype=np.int32))
+    ends = none.reshape(0, 2), none, none.astype(bool)
+    return Hole(side, np.array(edges), np.ones(4, bool), none.astype(np.int32), *ends, 1.0, 0.3, 0.0), surfels
+
+
+@pytest.mark.parametrize(("x", "bounds"), [(4.0, True), (3.9, True), (2.4, False), (4.4, True)])
+def test_a_hole_bounds_its_room_only_in_the_walls_of_its_outline(x: float, *, bounds: bool) -> None:
+    """The last lies in the recess of a window that the outline leaves out."""
+    hole, surfels = upright_hole(x, (1.0, 0.9, 2.0, 2.0))
+    assert bounds_room(hole, Polygon([(0, 0), (4, 0), (4, 4), (0, 4)]), surfels) is bounds
+
+
+def test_a_wall_around_a_recess_bounds_the_room_though_the_outline_goes_into_the_recess() -> None:
+    hole, surfels = upright_hole(4.0, (1.0, 0.9, 2.0, 2.0))
+    outline = Polygon([(0, 0), (4, 0), (4, 1), (4.7, 1), (4.7, 2), (4, 2), (4, 4), (0, 4)])
+    assert bounds_room(hole, outline, surfels)
+
+
+@pytest.mark.parametrize(("bottom", "cut"), [(0.9, 0.9), (0.0, 0.0), (-0.05, -0.05), (-1.5, 0.0)])
+def test_a_hole_ends_at_the_floor_of_its_room(bottom: float, cut: float) -> None:
+    hole = above_floor(upright_hole(4.0, (1.0, bottom, 2.0, 2.0))[0], 0.0)
+    assert hole is not None
+    assert hole.edges[1] == pytest.approx(cut)
+
+
+def test_a_hole_below_the_floor_is_none_of_the_room() -> None:
+    assert above_floor(upright_hole(4.0, (1.0, -2.0, 2.0, -0.3))[0], 0.0) is None

@@ -8,11 +8,14 @@ scanner looked at and saw nothing in; or there is the ground outside, which is o
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
+import shapely
 from scipy import ndimage
 from scipy.spatial import cKDTree
+from shapely import Point, Polygon
 
 from enfilade.ingest.openings.behind import Behind, room_of_plan_behind
 from enfilade.ingest.openings.confidence import probability
@@ -21,7 +24,7 @@ from enfilade.ingest.openings.holes import Hole, measure_hole
 from enfilade.ingest.openings.parameters import OpeningParameters
 from enfilade.ingest.openings.rays import SideView
 from enfilade.ingest.openings.sight import Sight
-from enfilade.ingest.records import Opening, Room, Surfels
+from enfilade.ingest.records import Bool, Opening, Room, Surfels
 from enfilade.ingest.sides import Side
 
 FLOOR_M: Final = 0.08
@@ -38,6 +41,12 @@ FILLED: Final = 0.75
 
 LEAST_EDGES: Final = 3
 """So many edges of a hole have wall beside them, at least; furniture may hide one."""
+
+OFF_BORDER_M: Final = 0.15
+"""The wall that a hole is in lies no farther than this from the outline of its room."""
+
+RECESS_M: Final = 0.5
+"""Outlines go this far out with the recesses of windows, at most."""
 
 LEAST_SEEN: Final = 0.6
 """Share of a hole that a scanner looked at freely, at least."""
@@ -107,7 +116,14 @@ def open_blind(
     One opening for the holes in the two sides of a wall.
     """
     behind = Behind(walls, parameters.max_gap_m)
-    framed = [hole for hole in found if _framed(hole, rooms[hole.side.room].floor_elevation, parameters)]
+    plans = {number: Polygon(room.outline[0], room.outline[1:]) for number, room in rooms.items() if room.outline}
+    framed = [
+        clipped
+        for hole in found
+        if (clipped := above_floor(hole, rooms[hole.side.room].floor_elevation)) is not None
+        and _framed(clipped, rooms[hole.side.room].floor_elevation, parameters)
+        and bounds_room(clipped, plans.get(hole.side.room), surfels)
+    ]
     framed.sort(key=lambda hole: (-hole.bounded.sum(), -round(hole.width * hole.height, 1), -_wall_around(hole, surfels)))
     outer = [hole.reveal for hole in framed if hole.reveal > parameters.surface_m and not behind.rooms(hole)]
     thickness = float(np.median(outer)) if outer else 0.0
@@ -118,6 +134,29 @@ def open_blind(
         if (opening := _opening(hole, behind, thickness, rooms, sight, parameters)) is not None
     ]
     return _one_a_place(candidates, openings, parameters.max_gap_m)
+
+
+def above_floor(hole: Hole, floor: float) -> Hole | None:
+    """Cut a hole off at the floor: the wall of a room that looks down into another goes on below it."""
+    if hole.edges[3] <= floor:
+        return None
+    if hole.edges[1] >= floor - FLOOR_M:
+        return hole
+    edges, bounded = hole.edges.copy(), hole.bounded.copy()
+    edges[1], bounded[1] = floor, False
+    return replace(hole, edges=edges, bounded=bounded)
+
+
+def bounds_room(hole: Hole, plan: Polygon | None, surfels: Surfels) -> bool:
+    """Whether a hole is in a wall that bounds its room, and not in the side of what stands in it.
+
+    The outline runs along the wall around it, or no farther behind it than a recess is deep.
+    """
+    if plan is None or not plan.contains(Point((hole.centre - RECESS_M * hole.side.normal)[:2])):
+        return True
+    around = surfels.positions[hole.side.surfels[_around(hole, surfels)]]
+    off = shapely.distance(shapely.points(around[:, :2]), plan.boundary)
+    return bool(len(off)) and float(np.mean(off < OFF_BORDER_M)) > 0.5
 
 
 def _framed(hole: Hole, floor: float, parameters: OpeningParameters) -> bool:
@@ -191,10 +230,15 @@ def _opening(
 
 def _wall_around(hole: Hole, surfels: Surfels) -> int:
     """Count the surfels of a hole's own side around it: two rooms may claim it, and one has the wall."""
+    return int(np.count_nonzero(_around(hole, surfels)))
+
+
+def _around(hole: Hole, surfels: Surfels) -> Bool:
+    """Which surfels of a hole's own side are around it."""
     side = hole.side
     places = surfels.positions[side.surfels] @ np.column_stack([side.u, side.v])
     near = (places > hole.edges[:2] - AROUND_M) & (places < hole.edges[2:] + AROUND_M)
-    return int(np.count_nonzero(near.all(axis=1)))
+    return np.asarray(near.all(axis=1))
 
 
 def _one_a_place(candidates: list[Opening], settled: list[Opening], max_gap_m: float) -> list[Opening]:
