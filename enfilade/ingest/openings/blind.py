@@ -155,8 +155,8 @@ def bounds_room(hole: Hole, plan: Polygon | None, surfels: Surfels) -> bool:
     if plan is None or not plan.contains(Point((hole.centre - RECESS_M * hole.side.normal)[:2])):
         return True
     around = surfels.positions[hole.side.surfels[_around(hole, surfels)]]
-    off = shapely.distance(shapely.points(around[:, :2]), plan.boundary)
-    return bool(len(off)) and float(np.mean(off < OFF_BORDER_M)) > 0.5
+    off = np.atleast_1d(shapely.distance(shapely.points(around[:, :2]), plan.boundary))
+    return bool(len(around)) and float(np.mean(off < OFF_BORDER_M)) > 0.5
 
 
 def _framed(hole: Hole, floor: float, parameters: OpeningParameters) -> bool:
