@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numba import njit
@@ -14,6 +15,7 @@ from .parallel import at_once, in_slices, slices
 from .records import F32, F64, I32, Surfels, ThinnedCloud
 
 I64 = NDArray[np.int64]
+_VIEWS_AT_ONCE: Final = 1 << 19
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,18 +48,39 @@ def make_surfels(cloud: ThinnedCloud, parameters: SurfelParameters = SurfelParam
     views = Gathered.by(grid.keys(cloud.positions, cloud.scan))
     scan, cell = np.divmod(views.keys, grid.size)
     low = np.asarray(grid.lowest * grid.cell_m, np.float64)
-    moments = np.zeros((len(views), MOMENTS))
-    in_slices(_add_points, len(views), moments, cloud.positions, views.order, views.bounds, low)
-    towards = cloud.scanner_positions.astype(np.float64) - low
-    normals = np.zeros((len(views), 3))
-    least = parameters.least_points, parameters.least_spread_m**2
-    in_slices(_fit_normals, len(views), normals, views.keys, grid.row_offsets(), moments, scan, towards, *least)
-    cells = Gathered.by(cell)
-    view_surfel, leading, sums = _join(cells, moments, normals)
+    totals, normals = _measured(cloud, views, scan, grid, low, parameters)
+    view_surfel, leading, sums = _join(Gathered.by(cell), totals, normals)
     positions = (sums[:, 1:4] / sums[:, :1] + low).astype(np.float32)
     point_surfel = np.empty(len(cloud.positions), np.int32)
     in_slices(_spread, len(views), point_surfel, view_surfel, views.order, views.bounds)
     return Surfels(positions, _unit(sums[:, 4:]), scan[leading].astype(np.int32), point_surfel)
+
+
+def _measured(
+    cloud: ThinnedCloud, views: Gathered, scan: I64, grid: CellGrid, low: F64, parameters: SurfelParameters
+) -> tuple[F64, F64]:
+    """Return ``(n, 4)`` the points of each view and the sums of their x, y, z from `low`, and ``(n, 3)`` its normal.
+
+    A few scans at a time: a scan's normals come from it alone, and all moments of all views would be the most that an
+    ingest holds in memory.
+    """
+    towards = cloud.scanner_positions.astype(np.float64) - low
+    least = parameters.least_points, parameters.least_spread_m**2
+    totals, normals = np.empty((len(views), 4)), np.zeros((len(views), 3))
+    ends = np.searchsorted(scan, np.arange(len(towards)), side="right")
+    first = 0
+    while first < len(views):
+        past = int(ends[np.searchsorted(ends, min(first + _VIEWS_AT_ONCE, len(views)))])
+        some = slice(first, past)
+        moments = np.zeros((past - first, MOMENTS))
+        in_slices(
+            _add_points, past - first, moments, cloud.positions, views.order, views.bounds[first : past + 1], low
+        )
+        own = normals[some], views.keys[some], grid.row_offsets(), moments, scan[some]
+        in_slices(_fit_normals, past - first, *own, towards, *least)
+        totals[some] = moments[:, :4]
+        first = past
+    return totals, normals
 
 
 @njit(cache=True, nogil=True)
@@ -109,7 +132,7 @@ def _fit_normals(
             normals[i, axis] = normal[axis] if side >= 0.0 else -normal[axis]
 
 
-def _join(cells: Gathered, moments: F64, normals: F64) -> tuple[I32, I64, F64]:
+def _join(cells: Gathered, totals: F64, normals: F64) -> tuple[I32, I64, F64]:
     """Join the views of each cell into surfels, in order of cells; sorts the views of a cell.
 
     Returns
@@ -118,7 +141,7 @@ def _join(cells: Gathered, moments: F64, normals: F64) -> tuple[I32, I64, F64]:
     ``(m, 7)``: points, their x, y, z, and the views' normals, each as often as it has points.
     """
     view_surfel = np.full(len(cells.order), -1, np.int32)
-    arguments = view_surfel, cells.order, cells.bounds, moments, normals
+    arguments = view_surfel, cells.order, cells.bounds, totals, normals
     parts = slices(len(cells))
     found = at_once(_join_views, ((*part, *arguments) for part in parts))
     before = np.cumsum([0, *(len(leading) for leading, _ in found)])
@@ -132,7 +155,7 @@ def _join(cells: Gathered, moments: F64, normals: F64) -> tuple[I32, I64, F64]:
 
 @njit(cache=True, nogil=True)
 def _join_views(
-    first: int, past: int, view_surfel: I32, order: I64, bounds: I64, moments: F64, normals: F64
+    first: int, past: int, view_surfel: I32, order: I64, bounds: I64, totals: F64, normals: F64
 ) -> tuple[I64, F64]:
     """Join the views of cells `first` to `past`, ``order[bounds[c]:bounds[c + 1]]``; surfels are counted from 0 on.
 
@@ -144,7 +167,7 @@ def _join_views(
     count = 0
     for cell in range(first, past):
         views = order[bounds[cell] : bounds[cell + 1]]
-        _sort_by_points(views, moments)
+        _sort_by_points(views, totals)
         leader = -1
         for view in views:
             if leader < 0 and _dot(normals[view], normals[view]) > 0.0:
@@ -160,9 +183,9 @@ def _join_views(
                     found = True
                     view_surfel[view] = count
                     for axis in range(4):
-                        sums[count, axis] += moments[view, axis]
+                        sums[count, axis] += totals[view, axis]
                     for axis in range(3):
-                        sums[count, 4 + axis] += moments[view, 0] * normals[view, axis]
+                        sums[count, 4 + axis] += totals[view, 0] * normals[view, axis]
             count += found
     return leading[:count].copy(), sums[:count].copy()
 
@@ -176,11 +199,11 @@ def _count_on(first: int, past: int, view_surfel: I32, order: I64, bounds: I64, 
 
 
 @njit(cache=True, nogil=True)
-def _sort_by_points(views: I64, moments: F64) -> None:
+def _sort_by_points(views: I64, totals: F64) -> None:
     """Sort a few views, those with most points first, by insertion."""
     for i in range(1, len(views)):
         view, at = views[i], i
-        while at > 0 and moments[views[at - 1], 0] < moments[view, 0]:
+        while at > 0 and totals[views[at - 1], 0] < totals[view, 0]:
             views[at] = views[at - 1]
             at -= 1
         views[at] = view
