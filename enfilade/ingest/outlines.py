@@ -45,6 +45,8 @@ class OutlineParameters:
         Behind such a gap the room goes on if walls are around so much of what was seen there,
     least_roofed, least_leg_m2
         or if its ceiling is over so much of it and it is as large as that: less is what a ceiling's labels stray.
+    reveal_m
+        What is no deeper and has no such ceiling is the reveal of a window or a door.
     """
 
     cell_m: float = 0.05
@@ -56,6 +58,7 @@ class OutlineParameters:
     least_enclosed: float = 0.5
     least_roofed: float = 0.5
     least_leg_m2: float = 2.0
+    reveal_m: float = 0.6
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,11 +232,14 @@ def _up_to_faces(
     if count < 2:
         return inside
     size = np.bincount(pieces.ravel(), minlength=count + 1)
-    around, walled = _around(np.asarray(pieces, np.int32), bridges, ndimage.binary_dilation(wall, _SQUARE), count)
+    near_wall = ndimage.binary_dilation(wall, _SQUARE)
+    around, walled, bridged = _around(np.asarray(pieces, np.int32), bridges, near_wall, count)
     reach = int(np.ceil(parameters.gap_m / parameters.cell_m / 2.0))
-    roofed = np.bincount(pieces[ndimage.binary_dilation(ceiling, _SQUARE, iterations=reach)], minlength=count + 1)
-    kept = (roofed >= parameters.least_roofed * size) & (size * parameters.cell_m**2 >= parameters.least_leg_m2)
-    kept |= walled >= parameters.least_enclosed * around
+    over = np.bincount(pieces[ndimage.binary_dilation(ceiling, _SQUARE, iterations=reach)], minlength=count + 1)
+    roofed = over >= parameters.least_roofed * size
+    deep = size * parameters.cell_m > parameters.reveal_m * bridged
+    kept = roofed & (size * parameters.cell_m**2 >= parameters.least_leg_m2)
+    kept |= (roofed | deep) & (walled >= parameters.least_enclosed * around)
     kept[np.argmax(size[1:]) + 1] = True
     on_grid = ((scanners >= 0) & (scanners < inside.shape)).all(axis=1)
     kept[pieces[tuple(scanners[on_grid].T)]] = True
@@ -243,9 +249,9 @@ def _up_to_faces(
 
 
 @njit(cache=True, nogil=True)
-def _around(pieces: I32, bridges: Bool, walled: Bool, count: int) -> tuple[I64, I64]:
-    """Sides of cells at the rim of each piece where no bridge ends it, and how many of them are at walls."""
-    rim, at_wall = np.zeros(count + 1, np.int64), np.zeros(count + 1, np.int64)
+def _around(pieces: I32, bridges: Bool, walled: Bool, count: int) -> tuple[I64, I64, I64]:
+    """Sides of cells at the rim of each piece where no bridge ends it, how many of them are at walls, and the others."""
+    rim, at_wall, at_bridge = np.zeros(count + 1, np.int64), np.zeros(count + 1, np.int64), np.zeros(count + 1, np.int64)
     for i in range(1, pieces.shape[0] - 1):
         for j in range(1, pieces.shape[1] - 1):
             piece = pieces[i, j]
@@ -253,10 +259,12 @@ def _around(pieces: I32, bridges: Bool, walled: Bool, count: int) -> tuple[I64, 
                 continue
             for di, dj in ((1, 0), (-1, 0), (0, 1), (0, -1)):
                 k, m = i + di, j + dj
-                if pieces[k, m] != piece and not bridges[k, m]:
+                if bridges[k, m]:
+                    at_bridge[piece] += 1
+                elif pieces[k, m] != piece:
                     rim[piece] += 1
                     at_wall[piece] += walled[k, m]
-    return rim, at_wall
+    return rim, at_wall, at_bridge
 
 
 def _polygon(grid: Bool, low: I64, parameters: OutlineParameters) -> Polygon:

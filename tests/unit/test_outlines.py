@@ -114,3 +114,8 @@ def test_what_is_seen_through_a_window_up_to_the_ceiling_does_not_count_but_a_ni
     covered = np.concatenate([inside, floor((1.4, 2.7), (-1.0, 0.0))])
     around = draw_outline(covered, both, SCANNER, SCANNER, faces=faces, ceiling=inside)
     assert around.area == pytest.approx(13.3, rel=0.02)
+    reveal = along(np.array([[1.4, -0.3], [2.7, -0.3], [2.7, 0.0], [1.4, 0.0]]))
+    both = np.concatenate([wall, reveal[reveal[:, 1] < -0.03]])
+    covered = np.concatenate([inside, floor((1.4, 2.7), (-0.3, 0.0))])
+    shallow = draw_outline(covered, both, SCANNER, SCANNER, faces=faces, ceiling=inside)
+    assert shallow.area == pytest.approx(12.0, rel=0.005)
