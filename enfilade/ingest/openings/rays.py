@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from enfilade.ingest.openings.crossings import SideGrid
@@ -111,7 +112,9 @@ class SideViews:
         self, rays: Rays, sides: Sequence[Side], surfels: Surfels, *, surface_m: float, front_m: float, inset_m: float
     ) -> None:
         self._rays, self._sides = rays, sides
-        noise = _noise(rays, surfels)
+        measured = any(len(side.surfels) for side in sides)
+        points = rays.end if measured else rays.end[:0]
+        noise = _noise(points, surfels.point_surfel, surfels.positions, surfels.normals)
         self._surfaces = [max(surface_m, NOISE * _middle(noise[side.surfels])) for side in sides]
         grid = SideGrid(sides, self._surfaces, front_m=front_m, inset_m=inset_m)
         self._leaves = (rays.from_room != rays.to_room) | (rays.to_room < 0)
@@ -172,18 +175,22 @@ def told_by_sight(rays: Rays, surfels: Surfels, unhindered: Bool) -> Rays:
     return replace(rays, to_room=to_room)
 
 
-def _noise(rays: Rays, surfels: Surfels) -> F32:
+@njit(cache=True, nogil=True)
+def _noise(points, point_surfel, positions, normals):  # type: ignore[no-untyped-def]
     """``(M,)`` standard deviation of the points of each surfel about it, metres.
 
     It tells the noise of a wall better than how its surfels lie about one plane: a leaf a little behind is no noise.
     """
-    surfel = surfels.point_surfel
-    known = np.flatnonzero(surfel >= 0)
-    of = surfel[known]
-    height = np.einsum("ij,ij->i", rays.end[known] - surfels.positions[of], surfels.normals[of])
-    count = np.bincount(of, minlength=len(surfels.positions))
-    square = np.bincount(of, np.square(height), minlength=len(surfels.positions))
-    return np.asarray(np.sqrt(square / np.maximum(count, 1)), dtype=np.float32)
+    square, count = np.zeros(len(positions), np.float32), np.zeros(len(positions), np.int32)
+    for point in range(len(points)):
+        k = point_surfel[point]
+        if k >= 0:
+            height = np.float32(0.0)
+            for axis in range(3):
+                height += (points[point, axis] - positions[k, axis]) * normals[k, axis]
+            square[k] += height * height
+            count[k] += 1
+    return np.sqrt(square / np.maximum(count, 1).astype(np.float32))
 
 
 def _middle(noise: F32) -> float:
