@@ -1,8 +1,8 @@
 """Fits the weights of the evidence for openings, and shows how well they are calibrated.
 
-``python bench/confidence.py FOLDER`` ingests every E57 file of FOLDER that has its truth beside it (NAME.truth, whose
-``about.txt`` says of which half it is), asks which openings are there, fits the weights on the develop half and prints
-them, and what both halves say of them.
+``python bench/confidence.py FOLDER`` ingests every generated building of FOLDER (NAME-SEED.e57 with NAME-SEED.truth
+beside it), asks which openings are there, fits the weights on the develop half and prints them, and what both halves
+say of them.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ from enfilade.ingest.openings import find_openings
 from enfilade.ingest.pipeline import ingest
 from enfilade.ingest.records import Opening
 from enfilade.schema.exchange import read_graph
+from enfilade.simulate.generate import name_of
+from enfilade.simulate.recipes import CORPUS, half_of
 
 EVIDENCE: Final = {
     "through_wall": ("rays", "framed", "filled", "both_sides", "glazed"),
@@ -84,9 +86,9 @@ def main(folder: Path) -> None:
     """Fit on the develop half, show both."""
     rows: list[tuple[str, Opening, bool]] = []
     for scans in sorted(folder.glob("*.e57")):
-        about = scans.with_suffix(".truth") / "about.txt"
-        if about.exists():
-            half = about.read_text(encoding="utf-8").split(":")[0]
+        seed = scans.stem.rsplit("-", 1)[-1]
+        if seed.isdigit() and int(seed) in CORPUS and scans.stem == name_of(int(seed)):
+            half = half_of(int(seed))
             rows += [(half, opening, right) for opening, right in judged(scans) if opening.orientation == "horizontal"]
     for model, names in EVIDENCE.items():
         of_half = {half: _table(rows, half, model, names) for half in ("develop", "check")}

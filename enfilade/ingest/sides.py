@@ -18,11 +18,17 @@ from enfilade.ingest.records import F64, I32, Planes, RoomLabels, Surfels
 
 UP: Final = np.array([0.0, 0.0, 1.0])
 
-FIT_M: Final = 0.02
+FIT_M: Final = 0.015
 """A surfel so far from the plane of its side does not count when it is fitted: it may be on the leaf of a door."""
 
-FIT_ROUNDS: Final = 6
+FIT_ROUNDS: Final = 5
 """Rounds in which a side finds its plane."""
+
+FIT_STARTS: Final = 3
+"""So many patches of a side are tried as its plane."""
+
+FIT_SAMPLE: Final = 1000
+"""So many of its surfels are asked at first."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,21 +188,30 @@ def _coplanar(patches: list[Patch], surfels: Surfels, min_cosine: float, max_off
     return groups
 
 
-def _fitted(positions: F64, first: Patch) -> tuple[F64, float]:
-    """Return the plane through most of the positions, as unit normal and offset, to begin with that of a patch.
+def _fitted(positions: F64, patches: list[Patch]) -> tuple[F64, float]:
+    """Return the plane through most of the positions, as unit normal and offset.
 
-    What lies a little before or behind, such as the leaf of a door, must not tilt the wall: each position counts less
-    the farther it is from the plane of the round before.
+    What lies a little before or behind, such as the leaf of a door, must not tilt the wall: a position counts the less
+    the farther it is from the plane of the round before. Of the planes that one comes to from that of each of the
+    largest patches, and from that through all, the one with most positions on it is taken.
     """
-    weight = _weight(positions @ first.normal - first.offset)
-    for _ in range(FIT_ROUNDS):
-        total = weight.sum()
-        centre = weight @ positions / total
+    few = positions[:: len(positions) // FIT_SAMPLE + 1]
+    starts = [_weight(few @ patch.normal - patch.offset) for patch in patches[:FIT_STARTS]]
+    found = [_refitted(few, weight, FIT_ROUNDS) for weight in (*starts, np.ones(len(few)))]
+    normal, offset = max(found, key=lambda plane: float(_weight(few @ plane[0] - plane[1]).sum()))
+    normal, offset = _refitted(positions, _weight(positions @ normal - offset), 2)
+    turn = float(np.sign(normal @ patches[0].normal))
+    return normal * turn, offset * turn
+
+
+def _refitted(positions: F64, weight: F64, rounds: int) -> tuple[F64, float]:
+    """Fit a plane to weighted positions, weigh them by it, and so on."""
+    for _ in range(rounds):
+        centre = weight @ positions / weight.sum()
         shifted = positions - centre
         normal = np.linalg.eigh((shifted * weight[:, None]).T @ shifted)[1][:, 0]
         weight = _weight(shifted @ normal)
-    normal *= np.sign(normal @ first.normal)
-    return np.asarray(normal, dtype=np.float64), float(centre @ normal)
+    return normal, float(centre @ normal)
 
 
 def _weight(height: F64) -> F64:
@@ -207,7 +222,7 @@ def _weight(height: F64) -> F64:
 def _side(group: list[Patch], surfels: Surfels) -> Side:
     members = np.sort(np.concatenate([patch.surfels for patch in group]))
     positions = surfels.positions[members].astype(np.float64)
-    normal, offset = _fitted(positions, group[0])
+    normal, offset = _fitted(positions, group)
     u, v = axes(normal)
     in_plane = positions @ np.column_stack([u, v])
     bounds = np.concatenate([in_plane.min(axis=0), in_plane.max(axis=0)])

@@ -48,6 +48,10 @@ OFF_BORDER_M: Final = 0.15
 RECESS_M: Final = 0.5
 """Outlines go this far out with the recesses of windows, at most."""
 
+LEAST_RETURNED: Final = 0.2
+"""Where less of a hole sent rays back, from it or through it, it has to be framed on all sides and not begin at the
+floor: what is in the shadow of furniture sends none back."""
+
 LEAST_SEEN: Final = 0.6
 """Share of a hole that a scanner looked at freely, at least."""
 
@@ -124,7 +128,9 @@ def open_blind(
         and _framed(clipped, rooms[hole.side.room].floor_elevation, parameters)
         and bounds_room(clipped, plans.get(hole.side.room), surfels)
     ]
-    framed.sort(key=lambda hole: (-hole.bounded.sum(), -round(hole.width * hole.height, 1), -_wall_around(hole, surfels)))
+    framed.sort(
+        key=lambda hole: (-hole.bounded.sum(), -round(hole.width * hole.height, 1), -_wall_around(hole, surfels))
+    )
     outer = [hole.reveal for hole in framed if hole.reveal > parameters.surface_m and not behind.rooms(hole)]
     thickness = float(np.median(outer)) if outer else 0.0
     openings = [opening for opening in settled if opening.orientation == "horizontal"]
@@ -187,7 +193,10 @@ def _opening(
         return None
     if other is not None and (not is_door or is_open or hole.leaf < 0.5):
         return None
-    seen = max(sight.share(hole), min(hole.leaf + hole.passed, 1.0))
+    returned = min(hole.leaf + hole.passed, 1.0)
+    if returned < LEAST_RETURNED and (at_floor or not hole.bounded.all()):
+        return None
+    seen = max(sight.share(hole), returned)
     if seen < LEAST_SEEN or (at_floor and not is_high and hole.passed < 0.5) or sight.is_mirror(hole):
         return None
     edges = hole.edges.copy()

@@ -243,6 +243,8 @@ def _lower_edge(along: F64, across: F64, wall_along: F64, wall_across: F64, cell
     last = np.full(lines, -np.inf)
     np.maximum.at(last, line[before], place[before])
     crossed = np.isfinite(first)
+    if not crossed.any():
+        return float(along.min()), False
     both = crossed & np.isfinite(last)
     if both.sum() >= 0.4 * crossed.sum():
         return float(np.median((first[both] + last[both]) / 2)), True
