@@ -256,6 +256,37 @@ def test_what_is_long_and_no_cupboard_is_not_cut(low, high):
     assert len(objects_of(scene)[0].segments) == 1
 
 
+def test_tables_put_together_around_a_bay_are_parted_and_so_is_a_chair_among_them():
+    scene = BoxScene()
+    scene.room(0, (0, 0, 0), (7, 7, 2.5))
+    scene.scanners = [((3.5, 6.0, 1.6), 0), ((3.5, 3.5, 1.9), 0)]
+    for low, high in (((1.0, 1.0), (5.8, 1.8)), ((1.0, 1.8), (1.8, 5.0)), ((5.0, 1.8), (5.8, 5.0))):
+        scene.block((*low, 0.0), (*high, 0.8), 0, plane=True)
+    scene.block((3.2, 1.82, 0.0), (3.6, 2.2, 0.45), 0)
+    found, cloud = objects_of(scene)
+    seats = [segment for segment in found.segments if cloud.positions[segment.points, 2].max() < 0.5]
+    assert len(seats) == 1
+    np.testing.assert_allclose(seats[0].size[:2], [0.4, 0.38], atol=0.06)
+    assert all(min(segment.size[:2]) < 0.9 and max(segment.size[:2]) < 0.9 for segment in found.segments)
+
+
+def test_many_tables_put_together_are_no_floor():
+    scene = BoxScene()
+    scene.room(0, (0, 0, 0), (7, 7, 2.5))
+    scene.scanners = [((1.0, 1.0, 1.6), 0), ((6.0, 6.0, 1.6), 0)]
+    scene.block((2.0, 2.0, 0.0), (5.0, 5.2, 0.75), 0, plane=True)
+    found, cloud = objects_of(scene)
+    on_top = sum((abs(cloud.positions[segment.points, 2] - 0.75) < 0.02).sum() for segment in found.segments)
+    assert on_top > 1000
+
+
+def test_a_long_sofa_as_deep_as_a_table_is_one_piece():
+    scene = furnished()
+    scene.block((0.8, 0.1, 0.0), (3.2, 0.9, 0.4), 0, plane=True)
+    scene.block((0.8, 0.1, 0.4), (3.2, 0.32, 0.8), 0, plane=True)
+    assert len(objects_of(scene)[0].segments) == 1
+
+
 def test_a_cupboard_built_into_a_wall_is_an_object_and_a_door_there_is_none():
     cupboard, leaf = (BoxScene(), BoxScene())
     for scene, width in ((cupboard, 1.2), (leaf, 0.9)):

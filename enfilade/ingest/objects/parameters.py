@@ -48,7 +48,10 @@ class ObjectParameters:
     min_headroom_m
         Downward planes this far above the floor are ceiling.
     min_platform_m2
-        Upward planes of this area in one piece are floor at any height; no bed or table is so large.
+        Upward planes of this area in one piece are floor at any height; no bed is so large.
+    min_top_m, max_top_m
+        Upward planes so high over the floor are tables and counters put together, however large; stages are lower,
+        galleries higher.
     min_slope_m2
         Oblique planes of this area are roof or ramp.
     min_incidence_deg
@@ -75,9 +78,9 @@ class ObjectParameters:
         Share of its hull that a piece covers, and that one with an arm covers.
     min_thing_m, min_table_m2
         A thing on a table is so much higher, a table so large.
-    max_single_m, max_row_depth_m, module_m
-        Nothing is longer than the first in one piece; what is, and not deeper than the second, is a row of modules
-        (kitchen units are 0.6 m wide).
+    max_single_m, max_row_depth_m, max_table_depth_m, module_m
+        Nothing is longer than the first in one piece; what is, and not deeper than the second, or the third if its top
+        is level, is a row of modules (kitchen units are 0.6 m wide; desks are 0.8 m deep).
     max_unit_m, min_cupboard_m, min_front_fill
         No cupboard is wider than the first; one is as high as the second, and its front fills so much of a rectangle.
     gap_m
@@ -117,6 +120,8 @@ class ObjectParameters:
     floor_reach_m: float = 0.1
     min_headroom_m: float = 1.9
     min_platform_m2: float = 8.0
+    min_top_m: float = 0.65
+    max_top_m: float = 1.0
     min_slope_m2: float = 1.5
     min_incidence_deg: float = 8.0
     outlier_neighbours: int = 8
@@ -140,6 +145,7 @@ class ObjectParameters:
     min_table_m2: float = 0.4
     max_single_m: float = 2.25
     max_row_depth_m: float = 0.75
+    max_table_depth_m: float = 0.9
     module_m: float = 0.6
     max_unit_m: float = 1.25
     min_cupboard_m: float = 0.65

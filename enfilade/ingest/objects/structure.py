@@ -183,6 +183,8 @@ def _is_level(side: Side, room: Room, surfels: Surfels, parameters: ObjectParame
         return height > parameters.min_headroom_m
     if side.horizontal and abs(height) < parameters.floor_reach_m:
         return True
+    if side.horizontal and parameters.min_top_m < height < parameters.max_top_m:
+        return False
     least = parameters.min_platform_m2 if side.horizontal else parameters.min_slope_m2
     return _largest_piece(positions @ np.column_stack([side.u, side.v])) > least
 

@@ -14,6 +14,7 @@ from typing import Final, cast
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from scipy import ndimage
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
@@ -29,6 +30,7 @@ CUT_M: Final = 0.05
 SHORT_M: Final = 0.1
 """A cut may leave so much more hull, in m² a metre, if it is shorter: of two that part as well, the shorter is right."""
 LEAST_CELLS: Final = 6
+LEVEL: Final = 0.8
 WHOLE_AGAIN: Final = 3
 """So many pieces make a combination."""
 INSIDE_M: Final = 0.12
@@ -69,6 +71,7 @@ def split(points: F64, parameters: ObjectParameters) -> I64:
     np.maximum.at(height, column, points[:, 2])
     a, b = _neighbours(cell)
     terrace = _terraces(cell, height, a, b, parameters.max_step_m)
+    terrace = _cut_tops(terrace, cell, places, parameters)
     if terrace.max() == 0:
         return np.zeros(len(points), dtype=np.int64)
     pairs = np.unique(np.sort(np.column_stack([terrace[a], terrace[b]]), axis=1), axis=0, return_counts=True)
@@ -104,6 +107,29 @@ def _terraces(cell: I64, height: F64, a: I64, b: I64, step_m: float) -> I64:
     nearest = cKDTree(cell[large]).query(cell[~large])[1]
     terrace[~large] = terrace[large][nearest]
     return np.unique(terrace, return_inverse=True)[1].astype(np.int64)
+
+
+def _cut_tops(terrace: I64, cell: I64, places: F64, parameters: ObjectParameters) -> I64:
+    """Cut tops that were seen, longer than any single one and not convex: tables put together around a bay."""
+    order = np.argsort(terrace, kind="stable")
+    groups = np.split(order, np.cumsum(np.bincount(terrace))[:-1])
+    cut, count = terrace.copy(), len(groups)
+    for own in groups:
+        if np.ptp(places[own], axis=0).max() > parameters.max_single_m and _is_top(cell[own]):
+            for part in list(_parts(places[own], parameters, 0.0))[1:]:
+                cut[own[part]] = count
+                count += 1
+    return cut
+
+
+def _is_top(cell: I64) -> bool:
+    """Whether most cells have all their neighbours: a surface, and no edges of one."""
+    low = cell.min(axis=0)
+    grid = np.zeros(np.ptp(cell, axis=0) + 1, dtype=bool)
+    grid[tuple((cell - low).T)] = True
+    square = np.ones((3, 3), dtype=bool)
+    closed = ndimage.binary_closing(np.pad(grid, 2), square)
+    return bool(ndimage.binary_erosion(closed, square).sum() > 0.5 * len(cell))
 
 
 def _merge(
@@ -172,6 +198,9 @@ def _is_one(first: _Terrace, second: _Terrace, parameters: ObjectParameters) -> 
     if high.height - low.height > (parameters.max_back_m if arm else parameters.max_stage_m):
         return False
     both = shapely.union(first.hull, second.hull)
+    bay = _area(shapely.convex_hull(both)) - _area(both)
+    if not arm and bay > min(first.area, second.area):
+        return False
     strict = not arm and first.surface and second.surface
     least = parameters.min_convexity if strict else parameters.min_arm_convexity
     return _area(both) >= least * _area(shapely.convex_hull(both))
@@ -199,15 +228,22 @@ def cut_bays(points: F64, parameters: ObjectParameters) -> Iterator[I64]:
     Indices of the points of each part.
     """
     cell, column = _columns(points, parameters)
-    waiting = [np.arange(len(cell))]
     part = np.zeros(len(cell), dtype=np.int64)
+    for number, own in enumerate(_parts(cell, parameters, parameters.min_fill * parameters.min_convexity)):
+        part[own] = number
+    yield from (np.flatnonzero(part[column] == k) for k in range(part.max() + 1))
+
+
+def _parts(cells: F64, parameters: ObjectParameters, least_covered: float) -> Iterator[I64]:
+    """Cut until no part that covers at least so much of its hull has a bay; yields the cells of each part."""
+    waiting = [np.arange(len(cells))]
     while waiting:
         own = waiting.pop()
-        half = _bay(cell[own], parameters)
-        if half is not None:
-            part[own[half]] = part.max() + 1
+        half = _bay(cells[own], parameters, least_covered)
+        if half is None:
+            yield own
+        else:
             waiting += [own[~half], own[half]]
-    yield from (np.flatnonzero(part[column] == k) for k in range(part.max() + 1))
 
 
 def _columns(points: F64, parameters: ObjectParameters) -> tuple[F64, I64]:
@@ -239,7 +275,8 @@ def cut_row(points: F64, floor_m: float, parameters: ObjectParameters) -> Iterat
     ------
     Indices of the points of each module.
     """
-    frame, extent = _frame(_columns(points, parameters)[0])
+    places, column = _columns(points, parameters)
+    frame, extent = _frame(places)
     length = float(extent.max())
     along = points[:, :2] @ frame[:, int(extent.argmax())]
     count = round(length / parameters.module_m)
@@ -247,11 +284,21 @@ def cut_row(points: F64, floor_m: float, parameters: ObjectParameters) -> Iterat
         hangs = points[:, 2].min() > floor_m + parameters.min_board_m and extent.min() < parameters.min_board_m
         front = length > parameters.max_unit_m and not hangs and _is_front(along, points[:, 2], parameters)
         count = min(count, WHOLE_AGAIN) if front else 1
-    if count == 1 or extent.min() > parameters.max_row_depth_m:
+    deepest = parameters.max_row_depth_m
+    if count > 1 and extent.min() > deepest and _is_level(points, column, parameters):
+        deepest = parameters.max_table_depth_m
+    if count == 1 or extent.min() > deepest:
         yield np.arange(len(points))
         return
     module = np.minimum((along - along.min()) / length * count, count - 1).astype(np.int64)
     yield from (np.flatnonzero(module == k) for k in np.unique(module))
+
+
+def _is_level(points: F64, column: I64, parameters: ObjectParameters) -> bool:
+    """Whether a piece is as high everywhere: a table, and no sofa."""
+    height = np.full(column.max() + 1, -np.inf)
+    np.maximum.at(height, column, points[:, 2])
+    return bool((np.abs(height - np.median(height)) < parameters.max_step_m).mean() > LEVEL)
 
 
 def _is_front(along: F64, height: F64, parameters: ObjectParameters) -> bool:
@@ -271,17 +318,16 @@ def _frame(places: F64) -> tuple[F64, F64]:
     return frame, np.ptp(places @ frame, axis=0)
 
 
-def _bay(cells: F64, parameters: ObjectParameters) -> NDArray[np.bool_] | None:
+def _bay(cells: F64, parameters: ObjectParameters, least_covered: float) -> NDArray[np.bool_] | None:
     """Which cells lie on one side of the straight cut that takes most off the hull, None if none takes much.
+
+    Halves must fill their hulls, but where all is cut that covers however little of its hull.
 
     Only surfaces that were seen are cut: the edges of a cupboard that hides its top make bays of all kinds.
     """
     hull, margin = _hull(cells), parameters.min_board_m
     covered = len(cells) * parameters.plan_cell_m**2 / _area(hull)
-    if (
-        len(cells) < 2 * LEAST_CELLS
-        or not parameters.min_fill * parameters.min_convexity < covered < parameters.min_convexity
-    ):
+    if len(cells) < 2 * LEAST_CELLS or not least_covered < covered < parameters.min_convexity:
         return None
     frame, extent = _frame(cells)
     place = cells @ frame
@@ -298,7 +344,8 @@ def _bay(cells: F64, parameters: ObjectParameters) -> NDArray[np.bool_] | None:
             length = min(_length(place[beside & half, 1 - axis]) for half in (side, ~side))
             cost = sum(area) + SHORT_M * length
             parts = sum(area) < parameters.min_convexity * _area(hull)
-            if parts and cost < best and all(a <= b for a, b in zip(area, least, strict=True)):
+            filled = all(a <= b for a, b in zip(area, least, strict=True)) or not least_covered
+            if parts and filled and cost < best:
                 best, cut = cost, side
     return cut
 
