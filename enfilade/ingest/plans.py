@@ -32,6 +32,8 @@ _IN_PLAN: Final = np.array([1.0, 1.0, 0.0], np.float32)
 _ONE_LEVEL_M: Final = 0.1
 _TRIPOD_M: Final = 0.5
 """Lowest that a scanner stands over its floor: a landing at its height is none."""
+_LOW_TRIPOD_M: Final = 1.0
+"""Nearer above a level than this, a scanner stands on a lower one, if there is one: a table hides the floor."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,25 +130,28 @@ def _floor(planes: Planes, parts: _Parts, scanners: F32, parameters: RoomPlanPar
     """Plane that holds most of the room's floor (Eq. 7), of those below its scanners if it has any; -1 for none.
 
     A bed or a table that hides most of the floor holds more points than what is left of it, so a lower plane that
-    reaches around it goes before it.
+    reaches around it goes before it, and any lower one where scanners stood too near above it to stand on it.
     """
     upward = _on(planes.horizontal & (planes.normals[:, 2] > 0.0), parts.plane)
-    if len(scanners):
-        upward &= parts.positions[:, 2] < scanners[:, 2].min() - _TRIPOD_M
+    lowest = float(scanners[:, 2].min()) if len(scanners) else np.inf
+    upward &= parts.positions[:, 2] < lowest - _TRIPOD_M
     if not upward.any():
         return -1
-    plane, height = parts.plane[upward], parts.positions[upward, 2]
+    number, plane = np.unique(parts.plane[upward], return_inverse=True)
     size = np.bincount(plane)
-    level = np.bincount(plane, height) / np.maximum(size, 1)
+    level = np.bincount(plane, parts.positions[upward, 2]) / size
     largest = np.argmax(size)
     rises = level[largest] - level
-    below = (size >= parameters.least_floor * size[largest]) & (rises > _ONE_LEVEL_M) & (rises < parameters.furniture_m)
+    of_level = (np.abs(level[:, None] - level) < _ONE_LEVEL_M) @ size
+    below = of_level >= parameters.least_floor * size[largest]
+    below &= (rises > _ONE_LEVEL_M) & (rises < parameters.furniture_m)
     xy = parts.positions[upward, :2]
     for lower in np.flatnonzero(below)[np.argsort(-size[below], kind="stable")]:
+        around = _hull_area(xy[plane == lower])
         both = _hull_area(xy[(plane == lower) | (plane == largest)])
-        if _hull_area(xy[plane == lower]) >= parameters.least_around * both:
-            return int(lower)
-    return int(largest)
+        if lowest - level[largest] < _LOW_TRIPOD_M or around >= parameters.least_around * both:
+            return int(number[lower])
+    return int(number[largest])
 
 
 def _hull_area(xy: F32) -> float:

@@ -254,6 +254,19 @@ def test_a_bed_that_hides_most_of_the_floor_is_not_the_floor() -> None:
     assert plan.floor_elevation == pytest.approx(0.0, abs=0.01)
 
 
+def test_a_table_that_hides_all_but_one_side_of_the_floor_is_not_the_floor() -> None:
+    """A scanner stands higher over its floor than .8 m, over the top of the table .7 m."""
+    own = scan(LEFT, [LEFT], None)
+    points = np.concatenate([chunk.positions for chunk in own.chunks])
+    under = (points[:, 2] < 0.05) & (points[:, 0] > 0.7)
+    top = grid((0.9, 3.9), (0.1, 2.9), (0.8, 0.8))
+    building = build(
+        [Scan.of_points(own.name, own.source, np.concatenate([points[~under], top]), own.scanner_position)]
+    )
+    plan = draw_plans(building.cloud, building.surfels, building.planes, building.labels)[0]
+    assert plan.floor_elevation == pytest.approx(0.0, abs=0.01)
+
+
 def slope(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> np.ndarray:
     """Points every 2 cm on a plane that rises along y."""
     points = grid(x, y, (0.0, 0.0))
