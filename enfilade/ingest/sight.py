@@ -327,7 +327,7 @@ def _lines(
     forth, back = structure.cast(starts, towards), structure.cast(ends, -towards)
     blocked = forth.distance < length
     slant = np.abs(np.einsum("ij,ij->i", towards, planes.normals[forth.plane]))
-    through = (length - forth.distance - np.minimum(back.distance, length)) * slant
+    through = (length - np.minimum(forth.distance, length) - np.minimum(back.distance, length)) * slant
     return _Lines(starts, ends, forth.plane, np.where(blocked, np.maximum(through, 1e-3), 0.0).astype(np.float32))
 
 
