@@ -27,9 +27,9 @@ from enfilade.simulate.generate import name_of
 from enfilade.simulate.recipes import CORPUS, half_of
 
 EVIDENCE: Final = {
-    "through_wall": ("rays", "framed", "filled", "both_sides", "glazed"),
-    "closed": ("framed", "seen", "leaf", "room_behind"),
-    "outside": ("framed", "seen", "leaf", "glazed"),
+    "through_wall": ("rays", "framed", "filled", "both_sides", "glazed", "agreed"),
+    "closed": ("framed", "leaf", "passed", "room_behind", "glazed"),
+    "outside": ("framed", "leaf", "passed", "glazed"),
 }
 BINS: Final = (0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 1.01)
 STRENGTH: Final = 1.0

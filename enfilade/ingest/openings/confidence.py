@@ -30,20 +30,28 @@ class ConfidenceParameters:
 
     through_wall: Weights = field(
         default_factory=lambda: {
-            "constant": 1.41,
-            "rays": 0.39,
-            "framed": 0.28,
-            "filled": 0.19,
-            "both_sides": 0.87,
-            "glazed": 0.14,
+            "constant": -0.73,
+            "rays": 0.46,
+            "framed": 0.46,
+            "filled": 0.85,
+            "both_sides": 1.86,
+            "glazed": -1.01,
+            "agreed": 0.73,
         }
     )
     through_floor: Weights = field(default_factory=lambda: {"constant": 2.2})
     closed: Weights = field(
-        default_factory=lambda: {"constant": -1.04, "framed": 0.57, "seen": 0.25, "leaf": 0.99, "room_behind": 0.33}
+        default_factory=lambda: {
+            "constant": -0.85,
+            "framed": 0.73,
+            "leaf": 1.21,
+            "passed": -0.87,
+            "room_behind": 0.63,
+            "glazed": 0.69,
+        }
     )
     outside: Weights = field(
-        default_factory=lambda: {"constant": -0.59, "framed": 0.33, "seen": 0.07, "leaf": 1.06, "glazed": 1.45}
+        default_factory=lambda: {"constant": -0.49, "framed": 0.84, "leaf": 2.33, "passed": -0.56, "glazed": 1.6}
     )
 
 
