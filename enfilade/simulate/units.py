@@ -11,13 +11,15 @@ from numpy.typing import NDArray
 from shapely import Polygon
 
 from .casting import Caster
-from .polygons import largest_polygon, plan_samples
+from .polygons import extrude, largest_polygon, plan_samples
 from .scene import Room, Storey, places_of
 from .solids import F64, Mesh, merge
 from .spaces import Border, Space, borders_of, sound_spaces, space_of, unite
 
 _LOOK_HEIGHT_M = 0.8
 _LEVEL_TOLERANCE_M = 0.6
+_TOUCHING_M = 0.05
+_SHORT_M = 0.8
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,10 +70,19 @@ def _room(number: int, storey: int, group: Sequence[Space], floor: float, gap: f
         storey,
         " + ".join(dict.fromkeys(space.name for space in group)),
         tuple(np.array(ring.coords)[:-1, :2] for ring in rings),
-        merge(space.boundary for space in group),
+        merge(mesh for space in group for mesh in _bodies(space, walls)),
         floor,
         _level(group, walls, 1.0, max(space.top for space in group)),
     )
+
+
+def _bodies(space: Space, walls: Caster) -> list[Mesh]:
+    """Return a space's body, and what lies between it and the slabs where the model has drawn it too low."""
+    floor, ceiling = _floor([space], walls), _level([space], walls, 1.0, space.top)
+    low, high = space.bottom - floor, ceiling - space.top
+    if max(low, high) < _TOUCHING_M or max(low, high) > _SHORT_M:
+        return [space.boundary]
+    return [space.boundary, extrude(space.polygon, min(space.bottom, floor), max(space.top, ceiling))]
 
 
 def _united(polygons: Sequence[Polygon], gap: float) -> Polygon:

@@ -4,6 +4,7 @@ from shapely import Polygon
 from shapely import box as rectangle
 
 from enfilade.simulate.casting import Caster
+from enfilade.simulate.locate import Locator
 from enfilade.simulate.polygons import extrude, footprint
 from enfilade.simulate.solids import Mesh, box, merge, slab, wall
 from enfilade.simulate.spaces import borders_of, sound_spaces, space_of
@@ -59,6 +60,8 @@ def test_floor_and_ceiling_are_those_of_the_slabs_not_of_the_space():
     short = box([0, 0, 0.1], [4, 5, 2.2])
     room = rooms_with(spaces=(short,)).rooms[0]
     assert (room.floor_elevation, room.ceiling_elevation) == pytest.approx((0.0, 2.5), abs=1e-5)
+    heights = np.array([[2.0, 2.0, z] for z in (-0.1, 0.05, 1.0, 2.3, 2.45, 2.6)])
+    assert Locator([room]).rooms_of(heights).tolist() == [-1, 0, 0, 0, 0, -1]
 
 
 def test_a_space_that_holds_others_or_lies_in_the_open_is_none():
