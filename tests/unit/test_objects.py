@@ -10,6 +10,7 @@ from enfilade.descriptors import TOTAL, Layout
 from enfilade.ingest.objects import ObjectParameters, find_objects
 from enfilade.ingest.objects.combinations import combine, find_near
 from enfilade.ingest.objects.masks import Face, Mask
+from enfilade.ingest.objects.people import is_person
 from enfilade.ingest.objects.segments import connect, without_outliers
 from enfilade.ingest.objects.sightlines import Sightlines
 from enfilade.ingest.records import Opening, Planes, Segment, Surfels, ThinnedCloud
@@ -372,6 +373,16 @@ def test_a_mirror_in_the_next_room_makes_no_ghosts():
     sightlines, members = Sightlines(cloud, ObjectParameters()), np.arange(len(y), dtype=np.int32)
     assert not sightlines.are_a_ghost(members, [face])
     assert sightlines.are_a_ghost(members, [face], [door])
+
+
+def test_a_person_is_round_and_a_cupboard_as_high_is_flat():
+    angle, z = (axis.ravel() for axis in np.meshgrid(np.linspace(0.0, np.pi, 30), np.linspace(0.05, 1.75, 80)))
+    normals = np.column_stack([np.cos(angle), np.sin(angle), 0 * z]).astype(np.float32)
+    person = np.column_stack([0.25 * np.cos(angle), 0.15 * np.sin(angle), z])
+    assert is_person(person, normals, 0.0)
+    assert not is_person(person * [1.0, 1.0, 0.5], normals, 0.0)
+    front = np.column_stack([0.25 * np.cos(angle), 0 * z, z])
+    assert not is_person(front, np.tile(np.float32([0, 1, 0]), (len(z), 1)), 0.0)
 
 
 def test_an_image_in_a_mirror_is_outside_of_the_room():

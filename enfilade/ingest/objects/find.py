@@ -13,6 +13,7 @@ from enfilade.ingest.objects.belonging import rooms_of_points
 from enfilade.ingest.objects.combinations import combine, describe_all, find_near
 from enfilade.ingest.objects.masks import Face, Mask, standing_off
 from enfilade.ingest.objects.parameters import ObjectParameters
+from enfilade.ingest.objects.people import is_person
 from enfilade.ingest.objects.remains import Remains
 from enfilade.ingest.objects.segments import connect
 from enfilade.ingest.objects.sightlines import Sightlines
@@ -88,6 +89,10 @@ def find_objects(
         for group in _groups(cloud, members, remains, on_board, faces, surfels.point_surfel):
             if not sightlines.are_a_ghost(group, faces, remains.openings):
                 positions = cloud.positions[group].astype(np.float64)
+                own = np.unique(surfels.point_surfel[group])
+                normals = surfels.normals[own[own >= 0]]
+                if sightlines.one_scan(group) and is_person(positions, normals, known[number].floor_elevation):
+                    continue
                 segments.append(_segment(len(segments), known[number], group, positions))
     near = find_near(segments, cloud.positions, chosen)
     groups = combine(near, segments, chosen)

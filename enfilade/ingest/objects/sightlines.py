@@ -46,6 +46,10 @@ class Sightlines:
         self._ends = np.cumsum(np.bincount(cloud.scan, minlength=len(cloud.scanner_positions)))
         self._depths = lru_cache(KEPT_MAPS)(self._measure_depths)
 
+    def one_scan(self, members: I32) -> bool:
+        """Whether nearly all of the points, by index, are of one scan."""
+        return bool(np.bincount(self._cloud.scan[members]).max() >= ONE_SCAN * len(members))
+
     def are_a_ghost(self, members: I32, faces: Sequence[Face] = (), openings: Sequence[Opening] = ()) -> bool:
         """Whether points, by index, are seen by one scan while another looks through most of them.
 
