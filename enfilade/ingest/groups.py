@@ -139,7 +139,7 @@ def _votes(scan_room: I32, views: Views, doubtful_open: float) -> Bool:
 def _clearance(structure: Structure, planes: Planes, scanners: F32, sign: float) -> F32:
     """``(S,)`` metres up (`sign` 1) to the ceiling or down (-1) to the floor, infinite where there is none.
 
-    It is the lower quartile of the level faces that rays in four cones meet, so that a skylight over the scanner or
+    It is the lower quartile of the level faces that rays in three or four cones meet, so that a skylight over the scanner or
     a stair well under it is not taken for the whole ceiling or floor. Where a scanner on a landing sees little of it,
     more of the floors below, it stands on what lies no deeper than a tripod is high.
     """
@@ -157,9 +157,12 @@ def _clearance(structure: Structure, planes: Planes, scanners: F32, sign: float)
 
 
 def _cone(structure: Structure, scanners: F32, sign: float) -> tuple[Hits, F32]:
-    """What 48 rays up or down from each scanner meet, one scanner after the other, and their directions ``(48, 3)``."""
-    azimuth = 2.0 * np.pi * np.arange(48) / 48.0
-    tilt = np.tile([0.1, 0.4, 0.6, 0.8], 12)
+    """What rays in cones up or down from each scanner meet, one scanner after the other, and their directions ``(n, 3)``.
+
+    Down there is one cone more, which meets a narrow landing beyond what the tripod hides.
+    """
+    tilt = np.tile([0.1, 0.4, 0.8] if sign > 0.0 else [0.1, 0.4, 0.6, 0.8], 8 if sign > 0.0 else 12)
+    azimuth = 2.0 * np.pi * np.arange(len(tilt)) / len(tilt)
     rays = np.stack([np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), sign * np.cos(tilt)], axis=1)
     cone = rays.astype(np.float32)
     return structure.cast(np.repeat(scanners, len(cone), axis=0), np.tile(cone, (len(scanners), 1))), cone
