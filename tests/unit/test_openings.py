@@ -9,10 +9,10 @@ from shapely import Polygon
 
 from enfilade.ingest.neighbours import find_neighbours
 from enfilade.ingest.openings import find_openings
-from enfilade.ingest.openings.blind import above_floor, bounds_room
+from enfilade.ingest.openings.blind import above_floor, bounds_room, is_doorway
 from enfilade.ingest.openings.evidence import Walls
 from enfilade.ingest.openings.holes import Hole
-from enfilade.ingest.openings.leads import group_holes
+from enfilade.ingest.openings.leads import group_holes, known_by_plan
 from enfilade.ingest.openings.parameters import OpeningParameters
 from enfilade.ingest.openings.rays import rays_of
 from enfilade.ingest.records import Surfels
@@ -290,6 +290,15 @@ def test_rooms_on_the_two_sides_of_a_hall_without_scans_have_no_door_between_the
     assert {(opening.room_a, opening.room_b) for opening in found} <= {(0, None), (1, None)}
 
 
+def test_what_lies_in_the_plan_of_a_room_that_other_rays_lead_to_is_of_that_room():
+    """Not so what lies in the plan of a room that no ray leads to, nor what was not asked."""
+    far = np.array([1, -1, -1, -1, -1, 2], np.int32)
+    asked = np.array([True, True, True, True, False, False])
+    ends = np.array([[0.5, 0.5, 1], [0.5, 0.9, 1], [3.0, 0.5, 1], [1.5, 0.5, 1], [0.1, 0.1, 1], [3.0, 0.6, 1]])
+    plans = {1: Polygon([(0, 0), (1, 0), (1, 1), (0, 1)]), 2: Polygon([(2, 0), (4, 0), (4, 1), (2, 1)])}
+    assert known_by_plan(far, asked, ends, plans).tolist() == [1, 1, -1, -1, -1, 2]
+
+
 def test_a_window_that_shows_the_ground_outside_has_the_middle_of_its_wall():
     """The sill is hidden by a chest, the ground 3 m below is seen, and the reveal is 0.3 m deep."""
     scene = glazed_room()
@@ -376,3 +385,22 @@ def test_a_hole_ends_at_the_floor_of_its_room(bottom: float, cut: float) -> None
 
 def test_a_hole_below_the_floor_is_none_of_the_room() -> None:
     assert above_floor(upright_hole(4.0, (1.0, -2.0, 2.0, -0.3))[0], 0.0) is None
+
+
+@pytest.mark.parametrize(
+    ("edges", "bounded", "lintel", "doorway"),
+    [
+        ((1.0, 0.0, 1.9, 2.0), (1, 1, 1, 1), 0.4, True),
+        ((1.0, 0.3, 1.9, 2.0), (1, 0, 1, 1), 0.4, True),
+        ((1.0, 0.9, 1.9, 2.0), (1, 1, 1, 1), 0.4, False),
+        ((1.0, 0.0, 1.2, 2.0), (1, 1, 1, 1), 0.4, False),
+        ((1.0, 0.0, 1.9, 1.2), (1, 1, 1, 1), 0.4, False),
+        ((1.0, 0.0, 1.9, 2.0), (0, 1, 1, 1), 0.4, False),
+        ((1.0, 0.0, 1.9, 2.0), (1, 1, 1, 1), 0.0, False),
+    ],
+)
+def test_a_doorway_is_as_large_as_a_door_and_has_wall_on_both_sides_and_above(
+    edges: tuple[float, float, float, float], bounded: tuple[int, ...], lintel: float, *, doorway: bool
+) -> None:
+    hole = replace(upright_hole(4.0, edges)[0], bounded=np.array(bounded, bool), lintel=lintel)
+    assert is_doorway(hole, 0.0, OpeningParameters()) is doorway

@@ -87,6 +87,18 @@ def find_blind_holes(view: SideView, parameters: OpeningParameters) -> Iterator[
                 yield hole
 
 
+def is_doorway(hole: Hole, floor: float, parameters: OpeningParameters) -> bool:
+    """Whether a hole is as large as a door and framed like one, though few rays go through.
+
+    An open leaf or what stands in the room may hide most of it from the scanner; the wall beside it shows how wide it is.
+    """
+    walled = bool(hole.bounded[[0, 2, 3]].all())
+    wide = parameters.min_width_m <= hole.width <= parameters.max_closed_width_m
+    reaches_down = hole.edges[1] - floor < parameters.min_sill_m
+    high = hole.edges[3] - floor >= parameters.min_closed_height_m and hole.lintel >= parameters.min_lintel_m
+    return bool(walled and wide and reaches_down and high)
+
+
 def open_blind(
     found: Iterable[Hole],
     walls: Sequence[Side],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from enfilade.ingest.openings.blind import find_blind_holes, open_blind
+from enfilade.ingest.openings.blind import find_blind_holes, is_doorway, open_blind
 from enfilade.ingest.openings.contacts import contact_sides
 from enfilade.ingest.openings.evidence import Walls
 from enfilade.ingest.openings.holes import Hole, find_holes
@@ -63,6 +63,9 @@ def find_openings(
     doors = group_holes([hole for hole in holes if hole.side.vertical], rays, known, chosen)
     backs = Walls(walls, surfels, chosen.max_gap_m)
     openings = open_walls(doors, rays, known, neighbours, backs, chosen)
+    doorways = [hole for hole in blind if is_doorway(hole, known[hole.side.room].floor_elevation, chosen)]
+    hidden = without_rivals(group_holes(doorways, rays, known, chosen), doors, chosen.max_gap_m)
+    openings += [way for way in open_walls(hidden, rays, known, neighbours, backs, chosen) if way.kind == "door"]
     lines = contact_sides(surfels, labels, known, openings, chosen)
     found = (hole for view in SideViews(rays, lines, surfels, **reach) for hole in find_holes(view, chosen))
     framed = [hole for hole in found if hole.bounded[0] and hole.bounded[2]]

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
+import shapely
 from shapely import LineString, Polygon, STRtree, box
 
 from enfilade.ingest.openings.holes import Hole
@@ -149,6 +150,7 @@ def _lead(
     far = np.where(hole.outbound, rays.to_room[hole.ray], rays.from_room[hole.ray])
     weight = np.exp(-hole.beyond / NEAR_M)
     weight[hole.beyond < parameters.max_gap_m] = 0.0  # on the reveal, which has no say
+    far = known_by_plan(far, weight > 0.0, rays.ends(hole.ray), plans)
     unknown = float(weight[far < 0].sum())
     same = float(weight[far == room].sum())
     others = (far != room) & (far >= 0) & (weight > 0.0)
@@ -163,6 +165,17 @@ def _lead(
             lead = Lead(hole, other, float(votes[other]), float(votes[other]) / total, same / total)
             return lead if lead.same < 0.6 else None
     return None
+
+
+def known_by_plan(far: I32, asked: Bool, ends: F64, plans: Mapping[int, Polygon | None]) -> I32:
+    """Give the ends that are of no room to the room in whose plan they lie, of those that other rays lead to."""
+    told = far.copy()
+    for other in np.unique(far[asked & (far >= 0)]).tolist():
+        plan = plans.get(other)
+        untold = np.flatnonzero(asked & (told < 0))
+        if plan is not None and len(untold):
+            told[untold[shapely.contains_xy(plan, ends[untold, :2])]] = other
+    return told
 
 
 def _begins_behind(hole: Hole, to_it: Bool, plan: Polygon | None, parameters: OpeningParameters) -> bool:
