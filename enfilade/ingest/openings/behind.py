@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from shapely import Point, Polygon, STRtree, box
 
+from enfilade.ingest.openings.evidence import FACING
 from enfilade.ingest.openings.holes import Hole
 from enfilade.ingest.records import F64, Room
 from enfilade.ingest.sides import Side
@@ -15,23 +16,24 @@ from enfilade.ingest.sides import Side
 LEAST_GAP_M: Final = 0.02
 """Thinnest wall."""
 
-FACING: Final = -0.95
-"""Cosine between the normals of two faces of one wall, at most."""
-
 
 class Behind:
-    """Finds the walls that stand behind a hole, looking the other way.
+    """Finds the walls that stand behind a hole, looking the other way, and the rooms whose plans lie there.
 
     Parameters
     ----------
     walls
         All walls.
+    rooms
+        By number.
     max_gap_m
         Thickest wall.
     """
 
-    def __init__(self, walls: Sequence[Side], max_gap_m: float) -> None:
+    def __init__(self, walls: Sequence[Side], rooms: Mapping[int, Room], max_gap_m: float) -> None:
         self._walls = walls
+        self._planned = [room for room in rooms.values() if room.outline]
+        self._plans = STRtree([Polygon(room.outline[0]) for room in self._planned])
         self._max_gap_m = max_gap_m
         corners = [np.array([wall.point(wall.bounds[i], wall.bounds[1])[:2] for i in (0, 2)]) for wall in walls]
         self._tree = STRtree([box(*pair.min(axis=0), *pair.max(axis=0)) for pair in corners])
@@ -55,15 +57,14 @@ class Behind:
             return float("inf")
         return float(wall.normal @ centre - wall.offset) * -1.0
 
-
-def room_of_plan_behind(hole: Hole, rooms: Mapping[int, Room], max_gap_m: float) -> int | None:
-    """Another room whose plan lies behind a hole; the plan of its own may have parts that were seen through it."""
-    level = float(hole.centre[2])
-    behind = [Point((hole.centre - depth * hole.side.normal)[:2]) for depth in (max_gap_m, 2 * max_gap_m)]
-    for room in rooms.values():
-        ceiling = room.ceiling_elevation if room.ceiling_elevation is not None else room.bounds[5]
-        if room.number != hole.side.room and room.outline and room.floor_elevation < level < ceiling:
-            plan = Polygon(room.outline[0])
-            if any(plan.contains(place) for place in behind):
+    def room_of_plan(self, hole: Hole) -> int | None:
+        """Another room whose plan lies behind a hole; the plan of its own may have parts that were seen through it."""
+        level = float(hole.centre[2])
+        depths = (self._max_gap_m, 2 * self._max_gap_m)
+        places = [Point((hole.centre - depth * hole.side.normal)[:2]) for depth in depths]
+        for k in np.unique(self._plans.query(places, predicate="within")[1]):
+            room: Room = self._planned[int(k)]
+            ceiling = room.ceiling_elevation if room.ceiling_elevation is not None else room.bounds[5]
+            if room.number != hole.side.room and room.floor_elevation < level < ceiling:
                 return room.number
-    return None
+        return None

@@ -17,7 +17,7 @@ from scipy import ndimage
 from scipy.spatial import cKDTree
 from shapely import Point, Polygon
 
-from enfilade.ingest.openings.behind import Behind, room_of_plan_behind
+from enfilade.ingest.openings.behind import Behind
 from enfilade.ingest.openings.confidence import probability
 from enfilade.ingest.openings.grid import Grid, bridged, opened, values
 from enfilade.ingest.openings.holes import Hole, measure_hole
@@ -131,7 +131,7 @@ def open_blind(
     -------
     One opening for the holes in the two sides of a wall.
     """
-    behind = Behind(walls, parameters.max_gap_m)
+    behind = Behind(walls, rooms, parameters.max_gap_m)
     plans = {number: Polygon(room.outline[0], room.outline[1:]) for number, room in rooms.items() if room.outline}
     framed = [
         clipped
@@ -198,7 +198,7 @@ def _opening(
     is_door = at_floor and is_high and hole.width < parameters.max_closed_width_m
     is_open = hole.passed > 0.5 and hole.leaf < 0.5
     other = next(((gap, number) for gap, number in around if number != room.number), None)
-    planned = room_of_plan_behind(hole, rooms, parameters.max_gap_m) if other is None else None
+    planned = behind.room_of_plan(hole) if other is None else None
     if is_door and not is_open and planned is not None:
         other = (hole.reveal, planned)
     if other is None and (around or planned is not None or sight.leads_indoors(hole)):
