@@ -8,11 +8,12 @@ from box_scene import BoxScene
 
 from enfilade.descriptors import TOTAL, Layout
 from enfilade.ingest.objects import ObjectParameters, find_objects
+from enfilade.ingest.objects.bays import area, hull_area, hull_of
 from enfilade.ingest.objects.combinations import combine, find_near
 from enfilade.ingest.objects.masks import Face, Mask
 from enfilade.ingest.objects.people import is_person
 from enfilade.ingest.objects.segments import connect, without_outliers
-from enfilade.ingest.objects.sightlines import Sightlines
+from enfilade.ingest.objects.sightlines import Suspect, find_ghosts
 from enfilade.ingest.records import Opening, Planes, Segment, Surfels, ThinnedCloud
 from enfilade.ingest.sides import Side
 
@@ -341,14 +342,12 @@ def test_what_another_scan_looks_through_is_a_ghost():
         scene.scanners = [(place, 0)]
         times.append(scene)
     cloud = seen_twice(*times)
-    sightlines = Sightlines(cloud, ObjectParameters())
     x, y, z = cloud.positions.T
     upright = (z > 0.1) & (z < 1.7)
     person = np.flatnonzero(upright & (x > 1.9) & (x < 2.5) & (y > 2.5) & (y < 3.0))
     pillar = np.flatnonzero(upright & (x > 3.1) & (x < 3.7) & (y > 2.3) & (y < 2.9))
-    assert sightlines.are_a_ghost(person.astype(np.int32))
-    assert not sightlines.are_a_ghost(pillar.astype(np.int32))
-    assert not sightlines.are_a_ghost(pillar[cloud.scan[pillar] == 0].astype(np.int32))
+    suspects = [Suspect(members.astype(np.int32)) for members in (person, pillar, pillar[cloud.scan[pillar] == 0])]
+    assert find_ghosts(cloud, suspects, ObjectParameters()).tolist() == [True, False, False]
 
 
 def test_a_mirror_in_the_next_room_makes_no_ghosts():
@@ -370,9 +369,15 @@ def test_a_mirror_in_the_next_room_makes_no_ghosts():
     face = Face(wall, 0.5, Mask(wall, surfels))
     position, normal = np.array([0.5, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
     door = Opening("door", "horizontal", 0, 1, position, normal, 3.0, 2.0, 0.0, 6.0, 0, "open", 0.9)
-    sightlines, members = Sightlines(cloud, ObjectParameters()), np.arange(len(y), dtype=np.int32)
-    assert not sightlines.are_a_ghost(members, [face])
-    assert sightlines.are_a_ghost(members, [face], [door])
+    members = np.arange(len(y), dtype=np.int32)
+    suspects = [Suspect(members, [face]), Suspect(members, [face], [door])]
+    assert find_ghosts(cloud, suspects, ObjectParameters()).tolist() == [False, True]
+
+
+def test_the_area_of_a_compiled_hull_is_that_of_shapely():
+    for places in (np.random.default_rng(1).normal(size=(50, 2)), np.array([[0.0, 0.0], [0.5, 0.0], [1.0, 0.0]])):
+        in_order = places[np.lexsort(places.T[::-1])]
+        assert hull_area(in_order) == pytest.approx(area(hull_of(places)), abs=1e-5)
 
 
 def test_a_person_is_round_and_a_cupboard_as_high_is_flat():

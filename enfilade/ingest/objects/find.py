@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from enfilade.descriptors import DEFAULT_LAYOUT, Layout
+from enfilade.ingest.objects.bays import cut_bays
 from enfilade.ingest.objects.belonging import rooms_of_points
 from enfilade.ingest.objects.combinations import combine, describe_all, find_near
 from enfilade.ingest.objects.masks import Face, Mask, standing_off
@@ -16,10 +19,12 @@ from enfilade.ingest.objects.parameters import ObjectParameters
 from enfilade.ingest.objects.people import is_person
 from enfilade.ingest.objects.remains import Remains
 from enfilade.ingest.objects.segments import connect
-from enfilade.ingest.objects.sightlines import Sightlines
+from enfilade.ingest.objects.sightlines import Suspect, find_ghosts, of_one_scan
 from enfilade.ingest.objects.structure import Structure, find_structure, in_openings
-from enfilade.ingest.objects.terraces import cut_bays, cut_row, split
+from enfilade.ingest.objects.terraces import cut_row, split
+from enfilade.ingest.parallel import at_once, in_slices, taken
 from enfilade.ingest.records import (
+    F32,
     F64,
     I32,
     Bool,
@@ -72,43 +77,60 @@ def find_objects(
     known = {room.number: room for room in rooms}
     structure = find_structure(surfels, planes, labels, known, chosen)
     loose = np.flatnonzero(_loose(cloud, surfels, structure, chosen)).astype(np.int32)
-    point_room = rooms_of_points(cloud, surfels, labels, known, reach_m=chosen.room_reach_m)
-    loose_in = _by_room(point_room[loose], loose)
+    point_room = rooms_of_points(loose, cloud, surfels, labels, known, reach_m=chosen.room_reach_m)
+    loose_in = _by_room(point_room, loose)
     opening_in: defaultdict[int | None, list[Opening]] = defaultdict(list)
     for opening in openings:
         opening_in[opening.room_a].append(opening)
         opening_in[opening.room_b].append(opening)
-    sightlines = Sightlines(cloud, chosen)
     on_board = np.append(structure.boards, False)
-    segments: list[Segment] = []
-    for number in sorted(known):
+
+    def suspects_in(number: int) -> list[Suspect]:
         members = loose_in.get(number, np.zeros(0, dtype=np.int32))
         faces = _faces(structure.sides.get(number, ()), surfels, chosen)
         flights = [each for each in structure.flights if each.touches(known[number].bounds, chosen.outline_reach_m)]
         remains = Remains(known[number], opening_in[number], flights, structure.ceilings[number], chosen)
-        for group in _groups(cloud, members, remains, on_board, faces, surfels.point_surfel):
-            if not sightlines.are_a_ghost(group, faces, remains.openings):
-                positions = cloud.positions[group].astype(np.float64)
-                own = np.unique(surfels.point_surfel[group])
-                normals = surfels.normals[own[own >= 0]]
-                if sightlines.one_scan(group) and is_person(positions, normals, known[number].floor_elevation):
-                    continue
-                segments.append(_segment(len(segments), known[number], group, positions))
+        groups = _groups(cloud, members, remains, on_board, faces, surfels.point_surfel)
+        return [Suspect(group, faces, remains.openings) for group in groups]
+
+    numbers = sorted(known)
+    found = at_once(suspects_in, ((number,) for number in numbers))
+    room_of = np.repeat(numbers, [len(suspects) for suspects in found])
+    groups = [suspect.members for suspects in found for suspect in suspects]
+    ghost = find_ghosts(cloud, [suspect for suspects in found for suspect in suspects], chosen)
+    segments: list[Segment] = []
+    for number, group in zip(room_of[~ghost].tolist(), itertools.compress(groups, ~ghost), strict=True):
+        segment = _segment(len(segments), known[number], group, cloud.positions[group].astype(np.float64))
+        if not _is_somebody(segment, known[number], cloud, surfels):
+            segments.append(segment)
     near = find_near(segments, cloud.positions, chosen)
-    groups = combine(near, segments, chosen)
-    described = tuple(describe_all(groups, segments, cloud.positions, known, layout))
+    described = tuple(describe_all(combine(near, segments, chosen), segments, cloud.positions, known, layout))
     return Objects(tuple(segments), described, tuple(near))
 
 
 def _loose(cloud: ThinnedCloud, surfels: Surfels, structure: Structure, parameters: ObjectParameters) -> Bool:
     """``(N,)``: points not of the structure nor of a veil, a surface that rays met at a sharp angle."""
-    ray = surfels.positions - cloud.scanner_positions[surfels.scan]
-    ray /= np.maximum(np.linalg.norm(ray, axis=1, keepdims=True), 1e-6)
-    incidence = np.abs(np.einsum("ij,ij->i", ray, surfels.normals))
-    has_normal = np.abs(surfels.normals).sum(axis=1) > 0.5
-    veil = has_normal & (incidence < np.sin(np.radians(parameters.min_incidence_deg)))
+    veil = np.empty(len(surfels.positions), dtype=bool)
+    sharpest = float(np.sin(np.radians(parameters.min_incidence_deg)))
+    given = surfels.positions, surfels.normals, surfels.scan, cloud.scanner_positions, sharpest
+    in_slices(_find_veils, len(veil), veil, *given)
     usable = np.append(~veil & ~structure.surfels, True)
-    return np.asarray(usable[surfels.point_surfel], dtype=np.bool_)
+    return taken(usable, surfels.point_surfel)
+
+
+@njit(cache=True, nogil=True)
+def _find_veils(
+    first: int, past: int, veil: Bool, positions: F32, normals: F32, scan: I32, scanners: F32, sharpest: float
+) -> None:
+    """Tell of surfels `first` to `past` which a ray met at an angle of which the sine is less."""
+    for i in range(first, past):
+        length, along, has_normal = 0.0, 0.0, False
+        for axis in range(3):
+            ray = positions[i, axis] - scanners[scan[i], axis]
+            length += ray * ray
+            along += ray * normals[i, axis]
+            has_normal |= normals[i, axis] != 0.0
+        veil[i] = has_normal and abs(along) < sharpest * np.sqrt(length)
 
 
 def _by_room(room_of: I32, points: I32) -> dict[int, I32]:
@@ -155,6 +177,15 @@ def _faces(sides: Iterable[Side], surfels: Surfels, parameters: ObjectParameters
         Face(side, parameters.max_reveal_m if side.vertical else parameters.clearance_m, Mask(side, surfels))
         for side in sides
     ]
+
+
+def _is_somebody(segment: Segment, room: Room, cloud: ThinnedCloud, surfels: Surfels) -> bool:
+    """Whether a segment is a person whom one scan alone saw."""
+    if not of_one_scan(cloud, segment.points):
+        return False
+    own = np.unique(surfels.point_surfel[segment.points])
+    positions = cloud.positions[segment.points].astype(np.float64)
+    return is_person(positions, surfels.normals[own[own >= 0]], room.floor_elevation)
 
 
 def _segment(number: int, room: Room, members: I32, positions: F64) -> Segment:

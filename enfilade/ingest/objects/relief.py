@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from enfilade.ingest.objects.parameters import ObjectParameters
-from enfilade.ingest.records import F64, I32, Bool, Surfels
+from enfilade.ingest.records import F64, Bool, Surfels
 from enfilade.ingest.sides import Side
 
 I64 = NDArray[np.int64]

@@ -21,7 +21,6 @@ MOST: Final = 0.8
 """A segment is what this share of its points are."""
 
 
-
 @dataclass(frozen=True, slots=True)
 class Remains:
     """Tells what is left of one room's structure.

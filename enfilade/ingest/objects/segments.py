@@ -8,6 +8,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from enfilade.ingest.cells import Gathered, extent
 from enfilade.ingest.objects.parameters import ObjectParameters
 from enfilade.ingest.records import F64, Bool
 
@@ -80,11 +81,13 @@ def without_outliers(points: F64, parameters: ObjectParameters) -> Bool:
 
 def thin(points: F64, voxel_m: float) -> tuple[I64, I64]:
     """Keep the first point of each voxel; returns their indices, and the voxel of every point."""
-    cells = np.floor((points - points.min(axis=0)) / voxel_m).astype(np.int64)
-    extent = cells.max(axis=0) + 1
-    key = (cells[:, 2] * extent[1] + cells[:, 1]) * extent[0] + cells[:, 0]
-    _, first, voxel = np.unique(key, return_index=True, return_inverse=True)
-    return first, voxel
+    low, high = extent(points)
+    cells = np.floor((points - low) / voxel_m).astype(np.int64)
+    shape = np.floor((high - low) / voxel_m).astype(np.int64) + 1
+    gathered = Gathered.by((cells[:, 2] * shape[1] + cells[:, 1]) * shape[0] + cells[:, 0])
+    voxel = np.empty(len(points), dtype=np.int64)
+    voxel[gathered.order] = np.repeat(np.arange(len(gathered)), np.diff(gathered.bounds))
+    return gathered.order[gathered.bounds[:-1]], voxel
 
 
 def _parts(centres: F64, lone: Bool, parameters: ObjectParameters) -> I64:

@@ -13,14 +13,16 @@ from typing import Final
 
 import numpy as np
 import shapely
+from numba import njit
 from scipy import ndimage
 
 from enfilade.ingest.objects.masks import CELL_M, Mask
 from enfilade.ingest.objects.parameters import ObjectParameters
 from enfilade.ingest.objects.relief import find_boards
 from enfilade.ingest.objects.stairs import Flight, find_flights
+from enfilade.ingest.parallel import at_once
 from enfilade.ingest.records import F64, I32, Bool, Opening, Planes, Room, RoomLabels, Surfels
-from enfilade.ingest.sides import Side, axes, cut_by_room, join_patches
+from enfilade.ingest.sides import Patch, Side, axes, cut_by_room, join_patches
 
 AREA_CELL_M: Final = 0.1
 PLAN_CELL_M: Final = 0.25
@@ -106,19 +108,17 @@ def find_structure(
     A scrap of a plane too small to be a side is structure where the plane is structure in another room.
     """
     patches = [p for p in cut_by_room(surfels, planes, labels, parameters.min_side_surfels) if p.room in rooms]
-    sides = join_patches(
-        patches, surfels, max_angle_deg=parameters.join_angle_deg, max_offset_m=parameters.join_offset_m
-    )
+    of_rooms = [(rooms[number], list(own)) for number, own in groupby(patches, key=lambda patch: patch.room)]
+    found = at_once(_structure_of_room, ((room, own, surfels, parameters) for room, own in of_rooms))
     fixed, boards, in_side = np.zeros((3, len(surfels.positions)), dtype=bool)
     plane_fixed = np.zeros(len(planes.offsets) + 1, dtype=bool)
     kept: dict[int, tuple[Side, ...]] = {}
     ceilings = {number: CeilingMap([], room, surfels) for number, room in rooms.items()}
-    for number, of_room in groupby(sides, key=lambda side: side.room):
-        seen = list(of_room)
-        kept[number], ceilings[number], own = _sides_of_structure(seen, rooms[number], surfels, parameters)
+    for (room, _), (seen, structure, ceiling, own) in zip(of_rooms, found, strict=True):
+        kept[room.number], ceilings[room.number] = structure, ceiling
         for side in seen:
             in_side[side.surfels] = True
-        for side in kept[number]:
+        for side in structure:
             fixed[side.surfels] = True
             plane_fixed[list(side.planes)] = True
         fixed[own] = False
@@ -146,21 +146,35 @@ def in_openings(points: F64, openings: Iterable[Opening], parameters: ObjectPara
     inside = np.zeros(len(points), dtype=bool)
     for opening in openings:
         if opening.orientation == "horizontal":
-            u, v = axes(opening.normal)
-            apart = points - opening.position
-            half = np.array([opening.width, opening.height]) / 2 + parameters.frame_m
-            across = (np.abs(apart @ np.column_stack([u, v])) < half).all(axis=1)
-            depth = apart @ opening.normal
+            frame = np.array([*axes(opening.normal), opening.normal])
             before = parameters.frame_m if opening.room_b is None else parameters.max_reveal_m / 2
             behind = parameters.max_reveal_m if opening.room_b is None else parameters.max_reveal_m / 2
-            inside |= across & (depth < before) & (depth > -behind)
+            half = np.array([opening.width, opening.height]) / 2 + parameters.frame_m
+            low, high = np.array([*-half, -behind]), np.array([*half, before])
+            _add_inside(inside, points, opening.position.astype(np.float64), frame, low, high)
     return inside
 
 
-def _sides_of_structure(
-    sides: list[Side], room: Room, surfels: Surfels, parameters: ObjectParameters
-) -> tuple[tuple[Side, ...], CeilingMap, I32]:
-    """Return the sides of one room that are structure, its ceiling, and the surfels that stand off a wall."""
+@njit(cache=True, nogil=True)
+def _add_inside(inside: Bool, points: F64, centre: F64, frame: F64, low: F64, high: F64) -> None:
+    """Mark the points that lie between two corners, given along the axes of a frame, ``(3, 3)`` in rows."""
+    for i in range(len(points)):
+        within = True
+        for axis in range(3):
+            along = 0.0
+            for k in range(3):
+                along += (points[i, k] - centre[k]) * frame[axis, k]
+            within &= low[axis] < along < high[axis]
+        inside[i] |= within
+
+
+def _structure_of_room(
+    room: Room, patches: list[Patch], surfels: Surfels, parameters: ObjectParameters
+) -> tuple[list[Side], tuple[Side, ...], CeilingMap, I32]:
+    """Return the sides of one room, those that are structure, its ceiling, and the surfels that stand off a wall."""
+    sides = join_patches(
+        patches, surfels, max_angle_deg=parameters.join_angle_deg, max_offset_m=parameters.join_offset_m
+    )
     level = [side for side in sides if not side.vertical and _is_level(side, room, surfels, parameters)]
     ceiling = CeilingMap([side for side in level if side.normal[2] < 0], room, surfels)
     upright = [side for side in sides if side.vertical]
@@ -172,7 +186,7 @@ def _sides_of_structure(
         walls += [side for side in others if _is_parapet(side, outline, walls, surfels, parameters)]
     boards = [np.zeros(0, dtype=np.int32)]
     boards += [side.surfels[find_boards(side, ceiling.below(side, surfels), surfels, parameters)] for side in walls]
-    return (*level, *walls), ceiling, np.concatenate(boards)
+    return sides, (*level, *walls), ceiling, np.concatenate(boards)
 
 
 def _is_level(side: Side, room: Room, surfels: Surfels, parameters: ObjectParameters) -> bool:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Final, cast
+from typing import Final
 
 import numpy as np
 import shapely
@@ -19,17 +19,14 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from enfilade.ingest.objects.bays import LEAST_CELLS, area, columns, frame, hull_of, parts
 from enfilade.ingest.objects.parameters import ObjectParameters
-from enfilade.ingest.records import F64, I32
+from enfilade.ingest.records import F64
 
 I64 = NDArray[np.int64]
 
 NEXT: Final = ((0, 1), (1, 0), (1, 1), (1, -1), (0, 2), (2, 0))
 """Steps to the cells that count as neighbours, one of each pair; two cells far for the gaps between scan lines."""
-CUT_M: Final = 0.05
-SHORT_M: Final = 0.1
-"""A cut may leave so much more hull, in m² a metre, if it is shorter: of two that part as well, the shorter is right."""
-LEAST_CELLS: Final = 6
 LEVEL: Final = 0.8
 WHOLE_AGAIN: Final = 3
 """So many pieces make a combination."""
@@ -65,7 +62,7 @@ def split(points: F64, parameters: ObjectParameters) -> I64:
     -------
     ``(n,) int64`` number of the piece of each point, from 0.
     """
-    places, column = _columns(points, parameters)
+    places, column = columns(points, parameters)
     cell = np.floor(places / parameters.plan_cell_m).astype(np.int64)
     height = np.full(len(cell), -np.inf)
     np.maximum.at(height, column, points[:, 2])
@@ -116,7 +113,7 @@ def _cut_tops(terrace: I64, cell: I64, places: F64, parameters: ObjectParameters
     cut, count = terrace.copy(), len(groups)
     for own in groups:
         if np.ptp(places[own], axis=0).max() > parameters.max_single_m and _is_top(cell[own]):
-            for part in list(_parts(places[own], parameters, 0.0))[1:]:
+            for part in list(parts(places[own], parameters, 0.0))[1:]:
                 cut[own[part]] = count
                 count += 1
     return cut
@@ -165,24 +162,15 @@ def _merge(
 
 
 def _terrace(places: F64, height: F64, parameters: ObjectParameters) -> _Terrace:
-    hull = _hull(places)
+    hull = hull_of(places)
     width = min(_sides(hull))
     surface = width > parameters.min_surface_m and _is_filled(places, hull, parameters)
-    return _Terrace(hull, _area(hull), width, float(np.median(height)), surface)
-
-
-def _hull(places: F64) -> shapely.Geometry:
-    hull = shapely.convex_hull(shapely.linestrings(np.concatenate([places, places[:1]])))
-    return cast(shapely.Geometry, shapely.buffer(hull, 0.02))
-
-
-def _area(shape: shapely.Geometry) -> float:
-    return float(shapely.area(shape))
+    return _Terrace(hull, area(hull), width, float(np.median(height)), surface)
 
 
 def _is_filled(places: F64, hull: shapely.Geometry, parameters: ObjectParameters) -> bool:
     """Whether places fill most of their hull."""
-    return bool(len(places) * parameters.plan_cell_m**2 >= parameters.min_fill * _area(hull))
+    return bool(len(places) * parameters.plan_cell_m**2 >= parameters.min_fill * area(hull))
 
 
 def _sides(hull: shapely.Geometry) -> tuple[float, float]:
@@ -198,12 +186,12 @@ def _is_one(first: _Terrace, second: _Terrace, parameters: ObjectParameters) -> 
     if high.height - low.height > (parameters.max_back_m if arm else parameters.max_stage_m):
         return False
     both = shapely.union(first.hull, second.hull)
-    bay = _area(shapely.convex_hull(both)) - _area(both)
+    bay = area(shapely.convex_hull(both)) - area(both)
     if not arm and bay > min(first.area, second.area):
         return False
     strict = not arm and first.surface and second.surface
     least = parameters.min_convexity if strict else parameters.min_arm_convexity
-    return _area(both) >= least * _area(shapely.convex_hull(both))
+    return area(both) >= least * area(shapely.convex_hull(both))
 
 
 def _stands_on(high: _Terrace, low: _Terrace, parameters: ObjectParameters) -> bool:
@@ -211,49 +199,6 @@ def _stands_on(high: _Terrace, low: _Terrace, parameters: ObjectParameters) -> b
     raised = high.height - low.height > parameters.min_thing_m
     small = high.area < 0.5 * low.area and low.area > parameters.min_table_m2
     return raised and small and bool(shapely.contains(shapely.buffer(low.hull, -INSIDE_M), shapely.centroid(high.hull)))
-
-
-def cut_bays(points: F64, parameters: ObjectParameters) -> Iterator[I64]:
-    """Cut a piece straight where its plan has a bay: in the corner of a kitchen, where a table meets a bed as high.
-
-    Parameters
-    ----------
-    points
-        ``(n, 3)`` metres, one piece after `split`.
-    parameters
-        Convexity, least width.
-
-    Yields
-    ------
-    Indices of the points of each part.
-    """
-    cell, column = _columns(points, parameters)
-    part = np.zeros(len(cell), dtype=np.int64)
-    for number, own in enumerate(_parts(cell, parameters, parameters.min_fill * parameters.min_convexity)):
-        part[own] = number
-    yield from (np.flatnonzero(part[column] == k) for k in range(part.max() + 1))
-
-
-def _parts(cells: F64, parameters: ObjectParameters, least_covered: float) -> Iterator[I64]:
-    """Cut until no part that covers at least so much of its hull has a bay; yields the cells of each part."""
-    waiting = [np.arange(len(cells))]
-    while waiting:
-        own = waiting.pop()
-        half = _bay(cells[own], parameters, least_covered)
-        if half is None:
-            yield own
-        else:
-            waiting += [own[~half], own[half]]
-
-
-def _columns(points: F64, parameters: ObjectParameters) -> tuple[F64, I64]:
-    """Return the centres of the plan's cells, ``(k, 2)``, and the cell of each point."""
-    cell = np.floor(points[:, :2] / parameters.plan_cell_m).astype(np.int64)
-    low = cell.min(axis=0)
-    width = int(cell[:, 1].max() - low[1]) + 1
-    key, column = np.unique((cell[:, 0] - low[0]) * width + cell[:, 1] - low[1], return_inverse=True)
-    centres = np.column_stack([key // width, key % width]) + low + 0.5
-    return centres * parameters.plan_cell_m, column
 
 
 def cut_row(points: F64, floor_m: float, parameters: ObjectParameters) -> Iterator[I64]:
@@ -275,10 +220,10 @@ def cut_row(points: F64, floor_m: float, parameters: ObjectParameters) -> Iterat
     ------
     Indices of the points of each module.
     """
-    places, column = _columns(points, parameters)
-    frame, extent = _frame(places)
+    places, column = columns(points, parameters)
+    axes, extent = frame(places)
     length = float(extent.max())
-    along = points[:, :2] @ frame[:, int(extent.argmax())]
+    along = points[:, :2] @ axes[:, int(extent.argmax())]
     count = round(length / parameters.module_m)
     if length <= parameters.max_single_m:
         hangs = points[:, 2].min() > floor_m + parameters.min_board_m and extent.min() < parameters.min_board_m
@@ -308,47 +253,3 @@ def _is_front(along: F64, height: F64, parameters: ObjectParameters) -> bool:
     cells = np.unique(np.floor((places - places.min(axis=0)) / parameters.plan_cell_m), axis=0)
     filled = len(cells) * parameters.plan_cell_m**2 / float(np.prod(extent + parameters.plan_cell_m))
     return bool(extent[1] > parameters.min_cupboard_m and filled > parameters.min_front_fill)
-
-
-def _frame(places: F64) -> tuple[F64, F64]:
-    """Axes of the smallest rectangle around places, in columns, and its sides along them."""
-    corners = shapely.get_coordinates(shapely.minimum_rotated_rectangle(_hull(places)))
-    u = (corners[1] - corners[0]) / np.hypot(*(corners[1] - corners[0]))
-    frame = np.column_stack([u, [-u[1], u[0]]])
-    return frame, np.ptp(places @ frame, axis=0)
-
-
-def _bay(cells: F64, parameters: ObjectParameters, least_covered: float) -> NDArray[np.bool_] | None:
-    """Which cells lie on one side of the straight cut that takes most off the hull, None if none takes much.
-
-    Halves must fill their hulls, but where all is cut that covers however little of its hull.
-
-    Only surfaces that were seen are cut: the edges of a cupboard that hides its top make bays of all kinds.
-    """
-    hull, margin = _hull(cells), parameters.min_board_m
-    covered = len(cells) * parameters.plan_cell_m**2 / _area(hull)
-    if len(cells) < 2 * LEAST_CELLS or not least_covered < covered < parameters.min_convexity:
-        return None
-    frame, extent = _frame(cells)
-    place = cells @ frame
-    best, cut = np.inf, None
-    for axis in np.flatnonzero(extent > 2 * margin):
-        for at in np.arange(place[:, axis].min() + margin, place[:, axis].max() - margin, CUT_M):
-            side = place[:, axis] < at
-            halves = [place[half] for half in (side, ~side)]
-            if any(len(half) < LEAST_CELLS or np.ptp(half, axis=0).min() < margin for half in halves):
-                continue
-            area = [_area(_hull(half)) for half in halves]
-            least = [len(half) * parameters.plan_cell_m**2 / parameters.min_fill for half in halves]
-            beside = np.abs(place[:, axis] - at) < 2 * parameters.plan_cell_m
-            length = min(_length(place[beside & half, 1 - axis]) for half in (side, ~side))
-            cost = sum(area) + SHORT_M * length
-            parts = sum(area) < parameters.min_convexity * _area(hull)
-            filled = all(a <= b for a, b in zip(area, least, strict=True)) or not least_covered
-            if parts and filled and cost < best:
-                best, cut = cost, side
-    return cut
-
-
-def _length(places: F64) -> float:
-    return float(np.ptp(places)) if len(places) else 0.0
