@@ -65,6 +65,10 @@ class CellGrid:
         in_slices(_add_cells, len(key), key, positions, self.lowest, self.shape, self.cell_m)
         return key
 
+    def among(self, keys: I64, positions: F64) -> Bool:
+        """``(n,)``: whether the cells of ``(n, 3)`` positions, which may lie outside the box, are among sorted keys."""
+        return _are_among(keys, positions, self.lowest, self.shape, self.cell_m)
+
     def row_offsets(self) -> I64:
         """``(9,) int64``: key differences to the nine z-columns of cells around a cell, each at its lowest cell."""
         steps = np.arange(-1, 2)
@@ -104,6 +108,21 @@ def _add_cells(
         for axis in range(3):
             index = np.int64(np.floor(np.float64(positions[i, axis]) / cell_m))
             keys[i] = keys[i] * shape[axis] + index - lowest[axis]
+
+
+@njit(cache=True, nogil=True)
+def _are_among(keys: I64, positions: F64, lowest: I64, shape: I64, cell_m: float) -> Bool:
+    found = np.zeros(len(positions), np.bool_)
+    for i in range(len(positions)):
+        key, inside = 0, True
+        for axis in range(3):
+            index = np.int64(np.floor(positions[i, axis] / cell_m)) - lowest[axis]
+            inside &= 0 <= index < shape[axis]
+            key = key * shape[axis] + index
+        if inside:
+            at = np.searchsorted(keys, key)
+            found[i] = at < len(keys) and keys[at] == key
+    return found
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,12 +18,17 @@ Index = NDArray[np.int32] | NDArray[np.int64]
 
 _SLICES_A_THREAD: Final = 4
 """More than one, so that a thread that other programs hold up keeps the rest waiting for a small slice only."""
+_LEAST: Final = 256
+"""Fewer elements are done sooner than a thread begins."""
 
 
 def at_once(function: Callable[..., R], calls: Iterable[tuple[Any, ...]]) -> list[R]:
     """Call ``function(*arguments)`` for all `calls`, at the same time; return what it returned, in their order."""
+    waiting = list(calls)
+    if len(waiting) == 1:
+        return [function(*waiting[0])]
     with ThreadPoolExecutor(_processors()) as threads:
-        runs = [threads.submit(function, *arguments) for arguments in calls]
+        runs = [threads.submit(function, *arguments) for arguments in waiting]
     return [run.result() for run in runs]
 
 
@@ -42,7 +47,7 @@ def in_slices(function: Callable[..., R], count: int, *arguments: Any) -> list[R
 
 def slices(count: int) -> list[tuple[int, int]]:
     """Return the first and past-last of the slices that make up ``range(count)``, some for each processor."""
-    number = min(count, _SLICES_A_THREAD * _processors())
+    number = min(-(-count // _LEAST), _SLICES_A_THREAD * _processors())
     return list(pairwise(count * k // number for k in range(number + 1))) if number else []
 
 

@@ -12,8 +12,10 @@ from itertools import groupby
 from typing import Final
 
 import numpy as np
+from numba import njit
 
 from enfilade.ingest.cells import Gathered
+from enfilade.ingest.parallel import at_once
 from enfilade.ingest.records import F64, I32, Planes, RoomLabels, Surfels
 
 UP: Final = np.array([0.0, 0.0, 1.0])
@@ -98,7 +100,8 @@ class Side:
 
     def points(self, places: F64) -> F64:
         """Return the ``(n, 3)`` points of the plane at ``(n, 2)`` coordinates."""
-        across = np.cross(self.u, self.v)
+        (a, b, c), (d, e, f) = self.u, self.v
+        across = np.array([b * f - c * e, c * d - a * f, a * e - b * d])  # np.cross takes twenty times as long
         axes = np.array([self.u, self.v])
         depth = (self.offset - places @ (axes @ self.normal)) / (across @ self.normal)
         return np.asarray(places @ axes + depth[:, None] * across, dtype=np.float64)
@@ -147,11 +150,10 @@ def join_patches(patches: list[Patch], surfels: Surfels, *, max_angle_deg: float
     Sides ordered by room, then size.
     """
     min_cosine = float(np.cos(np.radians(max_angle_deg)))
-    sides: list[Side] = []
+    groups: list[list[Patch]] = []
     for _, own in groupby(sorted(patches, key=lambda p: (p.room, -len(p.surfels), p.plane)), key=lambda p: p.room):
-        groups = _coplanar(list(own), surfels, min_cosine, max_offset_m)
-        sides.extend(_side(group, surfels) for group in groups)
-    return sides
+        groups.extend(_coplanar(list(own), surfels, min_cosine, max_offset_m))
+    return at_once(_side, ((group, surfels) for group in groups))
 
 
 def axes(normal: F64) -> tuple[F64, F64]:
@@ -204,21 +206,6 @@ def _fitted(positions: F64, patches: list[Patch]) -> tuple[F64, float]:
     return normal * turn, offset * turn
 
 
-def _refitted(positions: F64, weight: F64, rounds: int) -> tuple[F64, float]:
-    """Fit a plane to weighted positions, weigh them by it, and so on."""
-    for _ in range(rounds):
-        centre = weight @ positions / weight.sum()
-        shifted = positions - centre
-        normal = np.linalg.eigh((shifted * weight[:, None]).T @ shifted)[1][:, 0]
-        weight = _weight(shifted @ normal)
-    return normal, float(centre @ normal)
-
-
-def _weight(height: F64) -> F64:
-    """How much positions count that are so far from a plane (Tukey's biweight)."""
-    return np.asarray(np.maximum(1.0 - np.square(height / FIT_M), 0.0) ** 2 + 1e-6, dtype=np.float64)
-
-
 def _side(group: list[Patch], surfels: Surfels) -> Side:
     members = np.sort(np.concatenate([patch.surfels for patch in group]))
     positions = surfels.positions[members].astype(np.float64)
@@ -228,3 +215,27 @@ def _side(group: list[Patch], surfels: Surfels) -> Side:
     bounds = np.concatenate([in_plane.min(axis=0), in_plane.max(axis=0)])
     planes = tuple(sorted({patch.plane for patch in group}))
     return Side(group[0].room, planes, normal, offset, u, v, bounds, members)
+
+
+@njit(cache=True, nogil=True)
+def _refitted(positions: F64, weight: F64, rounds: int) -> tuple[F64, float]:
+    """Fit a plane to weighted positions, weigh them by it, and so on."""
+    for _ in range(rounds):
+        centre = np.zeros(3)
+        for i in range(len(positions)):
+            centre += weight[i] * positions[i]
+        centre /= weight.sum()
+        spread = np.zeros((3, 3))
+        for i in range(len(positions)):
+            for j in range(3):
+                for k in range(3):
+                    spread[j, k] += weight[i] * (positions[i, j] - centre[j]) * (positions[i, k] - centre[k])
+        normal = np.linalg.eigh(spread)[1][:, 0].copy()
+        weight = _weight((positions - centre) @ normal)
+    return normal, centre @ normal
+
+
+@njit(cache=True, nogil=True)
+def _weight(height: F64) -> F64:
+    """How much positions count that are so far from a plane (Tukey's biweight)."""
+    return np.maximum(1.0 - np.square(height / FIT_M), 0.0) ** 2 + 1e-6

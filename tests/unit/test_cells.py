@@ -51,3 +51,14 @@ def test_rectangles_tile_exactly_the_cells_that_are_true(cells: np.ndarray) -> N
 def test_members_of_a_number_are_where_it_stands(numbers: np.ndarray) -> None:
     found = members_of(numbers, 7)
     assert [where.tolist() for where in found] == [np.flatnonzero(numbers == number).tolist() for number in range(7)]
+
+
+@given(
+    arrays(np.float32, st.tuples(st.integers(1, 20), st.just(3)), elements=st.floats(-2.0, 2.0, width=32)),
+    arrays(np.float64, st.tuples(st.integers(0, 40), st.just(3)), elements=st.floats(-4.0, 4.0)),
+)
+def test_a_cell_is_among_others_whether_or_not_it_lies_in_the_box(known: np.ndarray, asked: np.ndarray) -> None:
+    grid = CellGrid.around(known, 0.5)
+    keys, asked = Gathered.by(grid.keys(known)).keys, np.concatenate([asked, known])
+    cells = {tuple(cell) for cell in np.floor(known.astype(np.float64) / 0.5).astype(int).tolist()}
+    assert grid.among(keys, asked).tolist() == [tuple(c) in cells for c in np.floor(asked / 0.5).astype(int).tolist()]

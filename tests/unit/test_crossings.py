@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from enfilade.ingest.openings.crossings import SideGrid, _cells
 from enfilade.ingest.records import F32, I32
@@ -65,3 +66,13 @@ def test_how_a_ray_meets_a_side_does_not_depend_on_the_other_sides() -> None:
         assert np.array_equal(among.ray[own], alone.ray)
         assert np.array_equal(among.place[own], alone.place)
         assert np.array_equal(among.depth[own], alone.depth)
+
+
+@pytest.mark.parametrize("shift", np.arange(0.0, 0.5, 0.02).tolist())
+def test_points_before_and_behind_a_side_are_met_wherever_it_stands_among_the_cells(shift: float) -> None:
+    sides = [_wall(0, (1.0, 0.0, 0.0), -3.0), _wall(1, (1.0, 0.0, 0.0), 1.0 + shift)]
+    depth = np.linspace(-0.29, 0.19, 49)
+    end = np.column_stack([1.0 + shift - depth, np.zeros(49), np.ones(49)]).astype(np.float32)
+    start, scan = np.array([[4.0, 0.0, 1.0]], np.float32), np.zeros(49, np.int32)
+    meetings = _grid(sides).ends(end, start, scan)
+    assert meetings.ray[meetings.of(1)].tolist() == list(range(49))

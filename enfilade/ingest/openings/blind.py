@@ -7,7 +7,7 @@ scanner looked at and saw nothing in; or there is the ground outside, which is o
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -56,7 +56,7 @@ LEAST_SEEN: Final = 0.6
 """Share of a hole that a scanner looked at freely, at least."""
 
 
-def find_blind_holes(view: SideView, parameters: OpeningParameters) -> Iterator[Hole]:
+def find_blind_holes(view: SideView, parameters: OpeningParameters) -> list[Hole]:
     """Find the holes of a wall, whether rays go through or not.
 
     Parameters
@@ -66,8 +66,8 @@ def find_blind_holes(view: SideView, parameters: OpeningParameters) -> Iterator[
     parameters
         Cell size, bridged gaps, smallest hole.
 
-    Yields
-    ------
+    Returns
+    -------
     Holes that are rectangles of some size.
     """
     grid = Grid(view.side, parameters.cell_m)
@@ -79,12 +79,14 @@ def find_blind_holes(view: SideView, parameters: OpeningParameters) -> Iterator[
     size = np.bincount(components.ravel())
     number = values(components, crossed)
     least_cells = parameters.min_width_m * parameters.min_height_m / parameters.cell_m**2
+    holes = []
     for k, box in enumerate(ndimage.find_objects(components), start=1):
         if size[k] >= least_cells:
             places = grid.centres(components[box] == k, (box[0].start, box[1].start))
             hole = measure_hole(view, np.flatnonzero(number == k), places, int(size[k]), parameters)
             if hole.fill > FILLED:
-                yield hole
+                holes.append(hole)
+    return holes
 
 
 def is_doorway(hole: Hole, floor: float, parameters: OpeningParameters) -> bool:

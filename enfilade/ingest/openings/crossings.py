@@ -6,7 +6,6 @@ many rooms there are.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -15,7 +14,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from enfilade.ingest.parallel import in_slices
+from enfilade.ingest.parallel import at_once, in_slices
 from enfilade.ingest.records import F32, F64, I32, Bool
 from enfilade.ingest.sides import Side
 
@@ -121,18 +120,20 @@ class SideGrid:
 
 def _ordered(found: list[tuple[I32, F32]], count: int) -> Meetings:
     """Order by side what slices of rays met, themselves in order of rays; each slice is let go when it is done."""
-    first = np.zeros(count + 1, np.int64)
-    for numbers, _ in found:
-        first[1:] += np.bincount(numbers[:, 1] >> 1, minlength=count)
-    first = np.cumsum(first)
+    counts = np.array([np.zeros(count, np.int64), *(np.bincount(n[:, 1] >> 1, minlength=count) for n, _ in found)])
+    first = np.append(0, np.cumsum(counts.sum(axis=0)))
+    free = first[:-1] + np.cumsum(counts, axis=0)
     many = int(first[-1])
     meetings = Meetings(
         np.empty(many, np.int32), first, np.empty((many, 2), np.float32), np.empty(many, np.float32), np.empty(many, bool)
     )
-    free = first[:-1].copy()
-    found.reverse()
-    while found:
-        _put(*found.pop(), free, meetings.ray, meetings.place, meetings.depth, meetings.outbound)
+
+    def put(number: int) -> None:
+        numbers, values = found[number]
+        found[number] = numbers[:0].copy(), values[:0].copy()
+        _put(numbers, values, free[number], meetings.ray, meetings.place, meetings.depth, meetings.outbound)
+
+    at_once(put, ((number,) for number in range(len(found))))
     return meetings
 
 
@@ -150,17 +151,35 @@ def _cells(places: F64, number: I64, reach: float) -> _Cells:
     low = places.min(axis=0) - reach
     shape = np.floor((places.max(axis=0) + reach - low) / CELL_M).astype(np.int64) + 1
     count = int(number.max(initial=0)) + 1
-    pairs = []
-    for corner in itertools.product((-1, 0, 1), repeat=3):
-        cell = np.floor((places + np.array(corner) * reach - low) / CELL_M).astype(np.int64)
-        pairs.append(np.unique(((cell[:, 0] * shape[1] + cell[:, 1]) * shape[2] + cell[:, 2]) * count + number))
-    cell_of, side_of = np.divmod(np.unique(np.concatenate(pairs)), count)
+    cell_of, side_of = np.divmod(np.unique(_in_reach(places - low, number, reach, shape, count)), count)
     first = np.searchsorted(cell_of, np.arange(int(shape.prod()) + 1))
     return _Cells(low, shape, first.astype(np.int64), side_of.astype(np.int32))
 
 
 def _unpacked(cells: _Cells) -> tuple[F64, I64, I64, I32]:
     return cells.low, cells.shape, cells.first, cells.members
+
+
+@njit(cache=True, nogil=True)
+def _in_reach(places: F64, number: I64, reach: float, shape: I64, count: int) -> I64:
+    """``cell * count + side`` for every cell that comes within reach of a place along all axes, some of them twice."""
+    keys, filled = np.empty(1024, np.int64), 0
+    last, seen = np.full(6, -1, np.int64), np.empty(6, np.int64)
+    for i in range(len(places)):
+        for axis in range(3):
+            seen[2 * axis] = int((places[i, axis] - reach) / CELL_M)
+            seen[2 * axis + 1] = int((places[i, axis] + reach) / CELL_M)
+        if i and number[i] == number[i - 1] and (seen == last).all():
+            continue
+        last[:] = seen
+        for x in range(seen[0], seen[1] + 1):
+            for y in range(seen[2], seen[3] + 1):
+                for z in range(seen[4], seen[5] + 1):
+                    if filled == len(keys):
+                        keys = np.concatenate((keys, np.empty_like(keys)))
+                    keys[filled] = ((x * shape[1] + y) * shape[2] + z) * count + number[i]
+                    filled += 1
+    return keys[:filled]
 
 
 @njit(cache=True, nogil=True)

@@ -8,7 +8,8 @@ from typing import Final
 import numpy as np
 from shapely import Point, STRtree, box
 
-from enfilade.ingest.openings.holes import PANE_M, Hole, covered_share
+from enfilade.ingest.openings.edges import covered_share
+from enfilade.ingest.openings.holes import PANE_M, Hole
 from enfilade.ingest.openings.leads import Group
 from enfilade.ingest.records import Bool, Surfels
 from enfilade.ingest.sides import Side

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import partial
+from itertools import chain
+
 from enfilade.ingest.openings.blind import find_blind_holes, is_doorway, open_blind
 from enfilade.ingest.openings.contacts import contact_sides
 from enfilade.ingest.openings.evidence import Walls
@@ -9,7 +12,7 @@ from enfilade.ingest.openings.holes import Hole, find_holes
 from enfilade.ingest.openings.leaves import with_leaves
 from enfilade.ingest.openings.leads import group_holes, without_rivals
 from enfilade.ingest.openings.parameters import OpeningParameters
-from enfilade.ingest.openings.rays import SideViews, rays_of, told_by_sight
+from enfilade.ingest.openings.rays import SideView, SideViews, rays_of, told_by_sight
 from enfilade.ingest.openings.sight import Sight
 from enfilade.ingest.openings.slabs import floor_sides, open_slab
 from enfilade.ingest.openings.walls import open_walls
@@ -51,14 +54,9 @@ def find_openings(
     sides = join_patches(patches, surfels, max_angle_deg=chosen.join_angle_deg, max_offset_m=chosen.join_offset_m)
     walls = [side for side in sides if side.vertical]
     looked_at = sorted([*walls, *floor_sides(known)], key=lambda side: side.room)
-    holes: list[Hole] = []
-    blind: list[Hole] = []
     reach = {"surface_m": chosen.surface_m, "front_m": chosen.front_m, "inset_m": chosen.max_inset_m}
     views = SideViews(rays, looked_at, surfels, **reach)
-    for view in views:
-        holes.extend(find_holes(view, chosen))
-        if view.side.vertical:
-            blind.extend(find_blind_holes(view, chosen))
+    holes, blind = _all_holes(views, chosen)
     rays = told_by_sight(rays, surfels, views.unhindered)
     doors = group_holes([hole for hole in holes if hole.side.vertical], rays, known, chosen)
     backs = Walls(walls, surfels, chosen.max_gap_m)
@@ -67,7 +65,7 @@ def find_openings(
     hidden = without_rivals(group_holes(doorways, rays, known, chosen), doors, chosen.max_gap_m)
     openings += [way for way in open_walls(hidden, rays, known, neighbours, backs, chosen) if way.kind == "door"]
     lines = contact_sides(surfels, labels, known, openings, chosen)
-    found = (hole for view in SideViews(rays, lines, surfels, **reach) for hole in find_holes(view, chosen))
+    found = chain.from_iterable(SideViews(rays, lines, surfels, **reach).each(partial(find_holes, parameters=chosen)))
     framed = [hole for hole in found if hole.bounded[0] and hole.bounded[2]]
     passages = without_rivals(group_holes(framed, rays, known, chosen), doors, chosen.max_gap_m)
     openings += open_walls(passages, rays, known, neighbours, backs, chosen)
@@ -77,6 +75,16 @@ def find_openings(
     blind += [hole for hole in holes if hole.side.vertical and id(hole) not in led]
     openings += open_blind(blind, walls, known, openings, surfels, Sight(surfels, rays), chosen)
     return tuple(sorted(with_leaves(openings, surfels), key=_order))
+
+
+def _all_holes(views: SideViews, parameters: OpeningParameters) -> tuple[list[Hole], list[Hole]]:
+    """Find the holes that rays go through in all sides, and the holes of walls whether rays go through or not."""
+
+    def look(view: SideView) -> tuple[list[Hole], list[Hole]]:
+        return find_holes(view, parameters), find_blind_holes(view, parameters) if view.side.vertical else []
+
+    found = views.each(look)
+    return [hole for holes, _ in found for hole in holes], [hole for _, blind in found for hole in blind]
 
 
 def _order(opening: Opening) -> tuple[int, int, tuple[float, ...]]:

@@ -9,6 +9,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from enfilade.ingest.openings.crossings import BORDER_M
+from enfilade.ingest.openings.edges import cells_of
 from enfilade.ingest.records import F64, Bool
 from enfilade.ingest.sides import Side
 
@@ -23,8 +24,7 @@ class Grid:
 
     def cells(self, places: F64) -> NDArray[np.int64]:
         """``(n,)`` index of the cell of each of ``(n, 2)`` places in the flattened grid."""
-        cell = ((places - self._corner) / self._cell_m).astype(np.int64)  # never negative
-        return np.asarray(cell[:, 0] * self.shape[1] + cell[:, 1], dtype=np.int64)
+        return cells_of(places, self._corner, self._cell_m, self.shape[1])
 
     def marked(self, cells: NDArray[np.int64]) -> Bool:
         """Cells that are among those of some places."""
@@ -74,7 +74,7 @@ def values(of_cell: NDArray[Any], cells: NDArray[np.int64]) -> NDArray[Any]:
     return np.asarray(of_cell.reshape(-1)[cells])
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _spread(mask, reach):  # type: ignore[no-untyped-def]
     """Mark all cells in squares of so many cells around the marked ones: along one axis, then the other."""
     rows, columns = mask.shape

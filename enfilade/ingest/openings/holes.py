@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
@@ -10,14 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from enfilade.ingest.openings.edges import covered_share, edges_of, pane_share
 from enfilade.ingest.openings.grid import Grid, bridged, opened, values
 from enfilade.ingest.openings.parameters import OpeningParameters
 from enfilade.ingest.openings.rays import SideView
 from enfilade.ingest.records import F64, I32, Bool
 from enfilade.ingest.sides import Side
-
-REACH_M: Final = 0.15
-"""How far from the outermost ray the wall beside a hole may begin."""
 
 WALL_M: Final = 0.3
 """Leaves and panes are no deeper behind the face of a wall."""
@@ -101,7 +98,7 @@ class Hole:
         return self.side.point((self.edges[0] + self.edges[2]) / 2, (self.edges[1] + self.edges[3]) / 2)
 
 
-def find_holes(view: SideView, parameters: OpeningParameters) -> Iterator[Hole]:
+def find_holes(view: SideView, parameters: OpeningParameters) -> list[Hole]:
     """Find the holes of one side.
 
     Parameters
@@ -111,12 +108,12 @@ def find_holes(view: SideView, parameters: OpeningParameters) -> Iterator[Hole]:
     parameters
         Cell size, bridged gaps and smallest hole.
 
-    Yields
-    ------
+    Returns
+    -------
     Holes that are wide and high enough and have enough rays.
     """
     if len(view.ray) < parameters.min_rays:
-        return
+        return []
     grid = Grid(view.side, parameters.cell_m)
     crossed = grid.cells(view.crossing)
     wall = grid.marked(grid.cells(view.wall))
@@ -125,11 +122,13 @@ def find_holes(view: SideView, parameters: OpeningParameters) -> Iterator[Hole]:
     size = np.bincount(components.ravel())
     number = values(components, crossed)
     order = np.argsort(number, kind="stable")
+    holes = []
     for members in np.split(order, np.flatnonzero(np.diff(number[order])) + 1):
         if number[members[0]] > 0 and len(members) >= parameters.min_rays:
             hole = measure_hole(view, members, view.crossing[members], int(size[number[members[0]]]), parameters)
             if hole.width >= parameters.min_width_m and hole.height >= parameters.min_height_m:
-                yield hole
+                holes.append(hole)
+    return holes
 
 
 def measure_hole(
@@ -155,20 +154,11 @@ def measure_hole(
     The hole.
     """
     cell_m = parameters.cell_m
-    reveal = members[view.outbound[members] & (view.beyond[members] < REVEAL_M)]
-    places = np.concatenate([places, view.end[reveal]])
-    wall = view.wall
-    low, high = np.percentile(places, [0.5, 99.5], axis=0)
-    near = ((wall > low - 2 * REACH_M) & (wall < high + 2 * REACH_M)).all(axis=1)
-    wall = wall[near]
-    found = [
-        _lower_edge(sign * places[:, axis], places[:, 1 - axis], sign * wall[:, axis], wall[:, 1 - axis], cell_m)
-        for sign, axis in ((1, 0), (1, 1), (-1, 0), (-1, 1))
-    ]
-    edges = np.array([found[0][0], found[1][0], -found[2][0], -found[3][0]])
+    outbound, beyond = view.outbound[members], view.beyond[members]
+    places = np.concatenate([places, view.end[members[outbound & (beyond < REVEAL_M)]]])
+    edges, bounded = edges_of(places, view.wall, cell_m)
     fill = cells * cell_m**2 / max((edges[2] - edges[0]) * (edges[3] - edges[1]), cell_m**2)
-    bounded = np.array([supported for _, supported in found])
-    soon = view.outbound[members] & (view.beyond[members] < parameters.max_inset_m)
+    soon = outbound & (beyond < parameters.max_inset_m)
     leaf, passed = (covered_share(view.crossing[members[some]], edges, PANE_M) for some in (soon, ~soon))
     return Hole(
         side=view.side,
@@ -187,26 +177,13 @@ def measure_hole(
     )
 
 
-def covered_share(places: F64, edges: F64, cell_m: float) -> float:
-    """Share of the cells of a rectangle, without a margin of one cell, that hold one of ``(n, 2)`` places."""
-    low, shape = edges[:2] + cell_m, np.maximum(((edges[2:] - edges[:2]) / cell_m).astype(int) - 2, 1)
-    cells = np.floor((places - low) / cell_m).astype(np.int64)
-    inside = ((cells >= 0) & (cells < shape)).all(axis=1)
-    return len(np.unique(cells[inside] @ np.array([shape[1], 1]))) / float(shape.prod())
-
-
 def _pane(view: SideView, members: NDArray[np.int_], edges: F64) -> float:
     """Share of a hole that rays end in at one depth within the wall; reveals lie at its edges, leaves stand open."""
     within = members[view.outbound[members] & (view.beyond[members] < WALL_M)]
-    places = np.concatenate([view.wall, view.end[within]])
-    depths = np.concatenate([np.zeros(len(view.wall)), view.beyond[within]])
-    layer = np.floor(depths / LAYER_M).astype(int)
     size = np.maximum(edges[2:] - edges[:2], PANE_M)
     enough = float(np.sqrt(PANE_RAYS * size.prod() / max(len(members), 1)))
     cell_m = min(max(PANE_M, enough), float(size.min()) / 5)
-    return max(
-        covered_share(places[(layer == k) | (layer == k + 1)], edges, cell_m) for k in range(int(WALL_M / LAYER_M))
-    )
+    return pane_share(view.wall, view.end[within], view.beyond[within], edges, cell_m, LAYER_M)
 
 
 def _reveal(view: SideView, members: NDArray[np.int_], edges: F64, max_gap_m: float) -> float:
@@ -225,35 +202,3 @@ def _wall_over(wall: F64, edges: F64) -> float:
     """Height of the wall over a hole, 0 if there is none."""
     over = wall[(wall[:, 0] > edges[0]) & (wall[:, 0] < edges[2]) & (wall[:, 1] > edges[3]), 1]
     return float(np.percentile(over, 99) - edges[3]) if len(over) > LEAST_POINTS else 0.0
-
-
-def _lower_edge(along: F64, across: F64, wall_along: F64, wall_across: F64, cell_m: float) -> tuple[float, bool]:
-    """Find where a hole begins along one axis, line by line across it, and whether wall ends there.
-
-    In each line the edge lies between the last wall point and the first ray; the median over the middle lines is
-    the edge. Lines without wall near their first ray do not vote, unless most lines are like that.
-    """
-    low, high = np.percentile(across, [10, 90])
-    lines = max(int((high - low) / cell_m), 1)
-    first = _extreme(along, across, low, cell_m, lines, np.minimum, np.inf)
-    line = np.floor((wall_across - low) / cell_m).astype(int)
-    inside = (line >= 0) & (line < lines)
-    line, place = line[inside], wall_along[inside]
-    before = (place < first[line] + cell_m) & (place > first[line] - REACH_M)
-    last = np.full(lines, -np.inf)
-    np.maximum.at(last, line[before], place[before])
-    crossed = np.isfinite(first)
-    if not crossed.any():
-        return float(along.min()), False
-    both = crossed & np.isfinite(last)
-    if both.sum() >= 0.4 * crossed.sum():
-        return float(np.median((first[both] + last[both]) / 2)), True
-    return float(np.percentile(first[crossed], 20)), False
-
-
-def _extreme(along: F64, across: F64, low: float, cell_m: float, lines: int, better: np.ufunc, worst: float) -> F64:
-    line = np.floor((across - low) / cell_m).astype(int)
-    inside = (line >= 0) & (line < lines)
-    best = np.full(lines, worst)
-    better.at(best, line[inside], along[inside])
-    return best

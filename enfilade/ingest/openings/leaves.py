@@ -12,10 +12,11 @@ from itertools import product
 from typing import Final
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from enfilade.ingest.records import F64, Opening, Surfels
+from enfilade.ingest.records import F64, Bool, Opening, Surfels
 
 I64 = NDArray[np.int64]
 
@@ -46,9 +47,6 @@ FOOT_M: Final = 0.2
 REACH: Final = 1.6
 """A leaf that stands ajar ends no farther from the middle of its door, in widths of it."""
 
-LEVELS: Final = 1000
-"""More than there are cells above one another."""
-
 COVERED: Final = 0.7
 """Share of a leaf that was seen, at least."""
 
@@ -68,7 +66,7 @@ def with_leaves(openings: Iterable[Opening], surfels: Surfels) -> list[Opening]:
     All of them, in the order given.
     """
     upright = np.flatnonzero(np.abs(surfels.normals[:, 2]) < ACROSS)
-    tree = cKDTree(surfels.positions[upright, :2])
+    tree = cKDTree(surfels.positions[upright, :2], compact_nodes=False, balanced_tree=False)
     return [
         replace(opening, state="ajar")
         if opening.kind == "door" and opening.width < WIDEST_M and stands_ajar(opening, surfels, upright, tree)
@@ -107,20 +105,50 @@ def leaf_of(opening: Opening, surfels: Surfels, upright: I64, tree: cKDTree) -> 
     inside = (height > FOOT_M) & (height < opening.height - FOOT_M)
     near, level = near[inside], np.floor(height[inside] / CELL_M).astype(np.int64)
     place, facing = (surfels.positions[near, :2] - opening.position[:2]) @ axes.T, surfels.normals[near, :2] @ axes.T
-    angle = np.radians(ANGLES_DEG)
     cells = (opening.width - CELL_M / 2) * (opening.height - 2 * FOOT_M) / CELL_M**2
-    best, turn = 0.0, 0.0
+    angle = np.radians(ANGLES_DEG)
+    best, turn = 0, 0.0
     for hand, swing in product((-1.0, 1.0), repeat=2):
-        along = np.stack([-hand * np.cos(angle), swing * np.sin(angle)], axis=1)
-        across = np.stack([along[:, 1], -along[:, 0]], axis=1)
-        turned = np.abs(facing @ along.T) < ACROSS
-        for depth in DEPTHS_M:
-            way = place - [hand * opening.width / 2, depth]
-            reach = way @ along.T
-            on = turned & (np.abs(way @ across.T) < PLATE_M) & (reach > CELL_M / 2) & (reach < opening.width)
-            for k in np.flatnonzero(on.sum(axis=0) > best * cells):
-                cell = np.floor(reach[on[:, k], k] / CELL_M).astype(np.int64) * LEVELS + level[on[:, k]]
-                covered = len(np.unique(cell)) / cells
-                if covered > best:
-                    best, turn = covered, float(np.median(np.abs(facing[on[:, k], 0])))
-    return min(best, 1.0), float(np.degrees(np.arcsin(min(turn, 1.0))))
+        along, hinge = np.stack([-hand * np.cos(angle), swing * np.sin(angle)], axis=1), hand * opening.width / 2
+        covered = _covered(place, facing, level, hinge, along, opening.width)
+        if covered.max() > best:
+            best = int(covered.max())
+            depth, k = np.unravel_index(covered.argmax(), covered.shape)
+            on = _on_leaf(place, facing, hinge, DEPTHS_M[depth], along[k], opening.width)
+            turn = float(np.median(np.abs(facing[on, 0])))
+    return min(best / cells, 1.0), float(np.degrees(np.arcsin(min(turn, 1.0))))
+
+
+@njit(cache=True, nogil=True)
+def _covered(place: F64, facing: F64, level: I64, hinge: float, along: F64, width: float) -> I64:
+    """``(depths, angles)`` cells of a leaf that surfels cover, for each depth of its hinge and way ``(angles, 2)``."""
+    rows, columns = int(width / CELL_M) + 1, level.max() + 1 if len(level) else 1
+    counts = np.zeros((len(DEPTHS_M), len(along)), np.int64)
+    met = np.full((len(DEPTHS_M), rows * columns), -1)
+    for k in range(len(along)):
+        for i in range(len(place)):
+            if abs(facing[i, 0] * along[k, 0] + facing[i, 1] * along[k, 1]) < ACROSS:
+                for depth in range(len(DEPTHS_M)):
+                    reach = _reach(place[i, 0] - hinge, place[i, 1] - DEPTHS_M[depth], along[k], width)
+                    cell = int(reach / CELL_M) * columns + level[i]
+                    if reach > 0.0 and met[depth, cell] != k:
+                        met[depth, cell] = k
+                        counts[depth, k] += 1
+    return counts
+
+
+@njit(cache=True, nogil=True)
+def _on_leaf(place: F64, facing: F64, hinge: float, depth: float, along: F64, width: float) -> Bool:
+    """``(n,)``: surfels that lie on a leaf and face across it."""
+    on = np.abs(facing @ along) < ACROSS
+    for i in range(len(place)):
+        on[i] &= _reach(place[i, 0] - hinge, place[i, 1] - depth, along, width) > 0.0
+    return on
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _reach(x: float, y: float, along: F64, width: float) -> float:
+    """How far from the hinge a place on a leaf is; -1 of one that is not on it."""
+    reach = x * along[0] + y * along[1]
+    on = abs(x * along[1] - y * along[0]) < PLATE_M and CELL_M / 2 < reach < width
+    return reach if on else -1.0

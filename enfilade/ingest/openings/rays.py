@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, TypeVar
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from enfilade.ingest.openings.crossings import SideGrid
-from enfilade.ingest.parallel import taken
+from enfilade.ingest.parallel import at_once, taken
 from enfilade.ingest.records import F32, F64, I32, Bool, RoomLabels, Surfels, ThinnedCloud
 from enfilade.ingest.sides import Side
+
+R = TypeVar("R")
 
 NOISE: Final = 3.0
 """Points of a wall scatter about it by so many standard deviations."""
@@ -122,23 +124,30 @@ class SideViews:
         self._through = grid.crossings(rays.end[self._leaving], rays.start, rays.scan[self._leaving])
         self._at = grid.ends(rays.end, rays.start, rays.scan)
 
-    def __iter__(self) -> Iterator[SideView]:
-        rays, at, through = self._rays, self._at, self._through
-        for number, (side, surface_m) in enumerate(zip(self._sides, self._surfaces, strict=True)):
-            ends, crossings = at.of(number), through.of(number)
-            behind, before = at.depth[ends] > surface_m, at.depth[ends] < -surface_m
-            inset = behind & ~self._leaves[at.ray[ends]]
-            ray = np.concatenate([self._leaving[through.ray[crossings]], at.ray[ends][inset]])
-            yield SideView(
-                side,
-                ray,
-                np.concatenate([through.place[crossings], at.place[ends][inset]]).astype(np.float64),
-                rays.ends(ray) @ np.column_stack([side.u, side.v]),
-                np.concatenate([through.depth[crossings], at.depth[ends][inset]]).astype(np.float64),
-                np.concatenate([through.outbound[crossings], at.outbound[ends][inset]]),
-                at.place[ends][~behind & ~before].astype(np.float64),
-                at.place[ends][before].astype(np.float64),
-            )
+    def __len__(self) -> int:
+        return len(self._sides)
+
+    def __getitem__(self, number: int) -> SideView:
+        side, at, through = self._sides[number], self._at, self._through
+        ends, crossings = at.of(number), through.of(number)
+        surface_m = self._surfaces[number]
+        behind, before = at.depth[ends] > surface_m, at.depth[ends] < -surface_m
+        inset = behind & ~self._leaves[at.ray[ends]]
+        ray = np.concatenate([self._leaving[through.ray[crossings]], at.ray[ends][inset]])
+        return SideView(
+            side,
+            ray,
+            np.concatenate([through.place[crossings], at.place[ends][inset]]).astype(np.float64),
+            _in_plane(self._rays.end, ray, side.u, side.v),
+            np.concatenate([through.depth[crossings], at.depth[ends][inset]]).astype(np.float64),
+            np.concatenate([through.outbound[crossings], at.outbound[ends][inset]]),
+            at.place[ends][~behind & ~before].astype(np.float64),
+            at.place[ends][before].astype(np.float64),
+        )
+
+    def each(self, function: Callable[[SideView], R]) -> list[R]:
+        """Return what a function, which may be called for several views at once, says of every view."""
+        return at_once(lambda number: function(self[number]), ((number,) for number in range(len(self))))
 
     @property
     def unhindered(self) -> Bool:
@@ -173,6 +182,17 @@ def told_by_sight(rays: Rays, surfels: Surfels, unhindered: Bool) -> Rays:
     to_room = rays.to_room.copy()
     to_room[untold] = room[surfel[untold]]
     return replace(rays, to_room=to_room)
+
+
+@njit(cache=True, nogil=True)
+def _in_plane(points: F32, ray: I32, u: F64, v: F64) -> F64:
+    """``(k, 2)`` where some points are along two axes."""
+    places = np.zeros((len(ray), 2))
+    for i in range(len(ray)):
+        for axis in range(3):
+            places[i, 0] += points[ray[i], axis] * u[axis]
+            places[i, 1] += points[ray[i], axis] * v[axis]
+    return places
 
 
 @njit(cache=True, nogil=True)

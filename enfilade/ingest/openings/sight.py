@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from enfilade.ingest.cells import CellGrid, Gathered
 from enfilade.ingest.openings.holes import Hole
 from enfilade.ingest.openings.rays import Rays
 from enfilade.ingest.records import F64, Bool, Surfels
@@ -33,8 +33,6 @@ LEAST_IMAGE: Final = 30
 MIRRORED: Final = 0.5
 """Share of the points behind a mirror that have a surface before it as their image, at least."""
 
-BITS: Final = 21
-
 
 class Sight:
     """Tells whether the scanners of a room looked at a hole freely.
@@ -49,7 +47,8 @@ class Sight:
 
     def __init__(self, surfels: Surfels, rays: Rays) -> None:
         self._rays = rays
-        self._occupied = np.unique(_keys(surfels.positions.astype(np.float64)))
+        self._grid = CellGrid.around(surfels.positions, VOXEL_M)
+        self._occupied = Gathered.by(self._grid.keys(surfels.positions)).keys
         self._start = rays.start.astype(np.float64)
         self._room = np.full(len(rays.start), -1, dtype=np.int32)
         self._room[rays.scan] = rays.from_room
@@ -80,9 +79,7 @@ class Sight:
         if len(behind) < LEAST_IMAGE:
             return False
         depth = side.offset - behind @ side.normal
-        key = _keys(behind + 2 * depth[:, None] * side.normal)
-        at = np.minimum(np.searchsorted(self._occupied, key), len(self._occupied) - 1)
-        return bool((self._occupied[at] == key).mean() > MIRRORED)
+        return bool(self._grid.among(self._occupied, behind + 2 * depth[:, None] * side.normal).mean() > MIRRORED)
 
     def _free(self, scanner: F64, places: F64, normal: F64) -> Bool:
         """``(n,)``: whether nothing stands between a scanner and each place."""
@@ -93,9 +90,7 @@ class Sight:
         along = steps[None, :] / length[:, None]
         before_wall = along < 1.0 - CLEAR_M / max(height, CLEAR_M)
         samples = scanner + along[:, :, None] * way[:, None, :]
-        key = _keys(samples.reshape(-1, 3))
-        at = np.minimum(np.searchsorted(self._occupied, key), len(self._occupied) - 1)
-        blocked = (self._occupied[at] == key).reshape(along.shape) & before_wall
+        blocked = self._grid.among(self._occupied, samples.reshape(-1, 3)).reshape(along.shape) & before_wall
         return np.asarray(~blocked.any(axis=1), dtype=np.bool_)
 
 
@@ -105,9 +100,3 @@ def _samples(hole: Hole) -> F64:
     share = np.linspace(0.12, 0.88, SAMPLES)
     u, v = np.meshgrid(left + share * (right - left), bottom + share * (top - bottom))
     return hole.side.points(np.column_stack([u.ravel(), v.ravel()]))
-
-
-def _keys(positions: F64) -> NDArray[np.int64]:
-    """``(n,)`` packed voxel of each position."""
-    cells = np.floor(positions / VOXEL_M).astype(np.int64) + (1 << (BITS - 1))
-    return np.asarray((cells[:, 0] << 2 * BITS) + (cells[:, 1] << BITS) + cells[:, 2], dtype=np.int64)
