@@ -97,6 +97,20 @@ def test_a_hole_in_the_slab_is_stairs():
     np.testing.assert_allclose(stairs.position[:2], [2.0, 1.0], atol=0.1)
 
 
+@pytest.mark.parametrize(("length", "kind"), [(0.9, "hatch"), (1.5, "stairs")])
+def test_a_hole_in_the_slab_too_short_for_stairs_is_a_hatch(length, kind):
+    hole = ((1.0, 0.5), (1.0 + length, 1.2))
+    scene = BoxScene()
+    scene.room(0, (0, 0, 0), (4, 3, 2.5), holes={"z1": [hole]})
+    scene.room(1, (0, 0, 2.8), (4, 3, 5.3), holes={"z0": [hole]})
+    scene.scanners = [((1.4, 1.5, 1.5), 0), ((1.6, 1.5, 4.3), 1)]
+    (found,), *_ = openings_of(scene)
+    assert (found.kind, found.orientation, found.state) == (kind, "vertical", "open")
+    assert (found.room_a, found.room_b) == (0, 1)
+    assert found.width == pytest.approx(0.7, abs=0.1)
+    assert found.height == pytest.approx(length, abs=0.1)
+
+
 def test_a_door_seen_from_one_side_only_is_found():
     scene = two_rooms(holes=[DOOR])
     scene.scanners = scene.scanners[:1]
