@@ -8,7 +8,7 @@ scanner looked at and saw nothing in; or there is the ground outside, which is o
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -186,6 +186,28 @@ def _framed(hole: Hole, floor: float, parameters: OpeningParameters) -> bool:
     return bool(large and hole.bounded[[0, 2, 3]].sum() + (at_floor or hole.bounded[1]) >= LEAST_EDGES)
 
 
+@dataclass(frozen=True, slots=True)
+class _Way:
+    """What a framed hole may be.
+
+    Attributes
+    ----------
+    at_floor
+        Whether it begins at the floor.
+    kind
+        Door or window.
+    is_open
+        Whether most of it lets rays pass.
+    behind
+        Thickness of the wall and the room behind a closed door; None where the outside is.
+    """
+
+    at_floor: bool
+    kind: str
+    is_open: bool
+    behind: tuple[float, int] | None
+
+
 def _opening(
     hole: Hole,
     behind: Behind,
@@ -194,12 +216,46 @@ def _opening(
     sight: Sight,
     parameters: OpeningParameters,
 ) -> Opening | None:
-    room, around = rooms[hole.side.room], behind.rooms(hole)
-    at_floor = hole.edges[1] - room.floor_elevation < FLOOR_M
+    room = rooms[hole.side.room]
+    way = _way(hole, room.floor_elevation, behind, sight, parameters)
+    seen = _seen(hole, way, sight, parameters) if way is not None else 0.0
+    if way is None or seen < LEAST_SEEN or sight.is_mirror(hole):
+        return None
+    edges = hole.edges.copy()
+    if way.at_floor:
+        edges[1] = room.floor_elevation
+    gap, number = (max(hole.reveal, thickness), None) if way.behind is None else way.behind
+    a, b = (room.number, number) if number is None or room.number < number else (number, room.number)
+    width, height = (edges[2:] - edges[:2]).tolist()
+    evidence = _evidence(hole, seen, width, height, room_behind=number is not None)
+    chosen = parameters.confidence
+    return Opening(
+        kind=way.kind,
+        orientation="horizontal",
+        room_a=a,
+        room_b=b,
+        position=hole.side.point(*(edges[:2] + edges[2:]) / 2) - gap / 2 * hole.side.normal,
+        normal=hole.side.normal,
+        width=width,
+        height=height,
+        sill=float(edges[1] - room.floor_elevation),
+        area=width * height,
+        ray_count=int((hole.beyond > parameters.max_inset_m).sum()),
+        state="open" if way.kind == "door" and way.is_open else "closed",
+        confidence=probability(chosen.closed if way.kind == "door" else chosen.outside, evidence),
+        lintel=hole.lintel,
+        evidence=evidence,
+    )
+
+
+def _way(hole: Hole, floor: float, behind: Behind, sight: Sight, parameters: OpeningParameters) -> _Way | None:
+    """Tell a closed door to another room from a way out; None for what else leads to a room or ends in the own one."""
+    at_floor = bool(hole.edges[1] - floor < FLOOR_M)
     is_high = hole.height > parameters.min_closed_height_m
     is_door = at_floor and is_high and hole.width < parameters.max_closed_width_m
     is_open = hole.passed > 0.5 and hole.leaf < 0.5
-    other = next(((gap, number) for gap, number in around if number != room.number), None)
+    around = behind.rooms(hole)
+    other = next(((gap, number) for gap, number in around if number != hole.side.room), None)
     planned = behind.room_of_plan(hole) if other is None else None
     if is_door and not is_open and planned is not None:
         other = (hole.reveal, planned)
@@ -207,48 +263,31 @@ def _opening(
         return None
     if other is not None and (not is_door or is_open or hole.leaf < 0.5):
         return None
+    return _Way(at_floor, "door" if is_door else "window", is_open, other)
+
+
+def _seen(hole: Hole, way: _Way, sight: Sight, parameters: OpeningParameters) -> float:
+    """Share of a hole that scanners looked at freely; 0 where it may as well be in the shadow of something."""
     returned = min(hole.leaf + hole.passed, 1.0)
-    if returned < LEAST_RETURNED and (at_floor or not hole.bounded.all()):
-        return None
-    seen = max(sight.share(hole), returned)
-    if seen < LEAST_SEEN or (at_floor and not is_high and hole.passed < 0.5) or sight.is_mirror(hole):
-        return None
-    edges = hole.edges.copy()
-    if at_floor:
-        edges[1] = room.floor_elevation
-    gap, number = (max(hole.reveal, thickness), None) if other is None else other
-    middle = (edges[:2] + edges[2:]) / 2
-    a, b = (room.number, number) if number is None or room.number < number else (number, room.number)
-    width, height = (edges[2:] - edges[:2]).tolist()
-    chosen = parameters.confidence
-    evidence = {
+    if returned < LEAST_RETURNED and (way.at_floor or not hole.bounded.all()):
+        return 0.0
+    if way.at_floor and hole.height <= parameters.min_closed_height_m and hole.passed < 0.5:
+        return 0.0
+    return max(sight.share(hole), returned)
+
+
+def _evidence(hole: Hole, seen: float, width: float, height: float, *, room_behind: bool) -> dict[str, float]:
+    return {
         "framed": float(hole.bounded.mean()),
         "filled": hole.fill,
         "seen": seen,
         "leaf": hole.leaf,
         "passed": hole.passed,
-        "room_behind": float(other is not None),
+        "room_behind": float(room_behind),
         "glazed": hole.pane,
         "wide": min(width / 4.0, 1.0),
         "high": min(height / 4.0, 1.0),
     }
-    return Opening(
-        kind="door" if is_door else "window",
-        orientation="horizontal",
-        room_a=a,
-        room_b=b,
-        position=hole.side.point(*middle) - gap / 2 * hole.side.normal,
-        normal=hole.side.normal,
-        width=width,
-        height=height,
-        sill=float(edges[1] - room.floor_elevation),
-        area=width * height,
-        ray_count=int((hole.beyond > parameters.max_inset_m).sum()),
-        state="open" if is_door and is_open else "closed",
-        confidence=probability(chosen.closed if is_door else chosen.outside, evidence),
-        lintel=hole.lintel,
-        evidence=evidence,
-    )
 
 
 def _wall_around(hole: Hole, surfels: Surfels) -> int:
