@@ -41,7 +41,9 @@ class GroupParameters:
     least_open
         Share of the boundary between two scans that must be open.
     doubtful_open
-        A scan this open to another room does not vote on where rooms end.
+        A scan this open to another room does not vote on where rooms end,
+    mate_m
+        if one of its own room that votes stands this near.
     least_roofed
         Share of the directions upwards in which a scan inside a building meets a ceiling or a roof. Those of fewer
         stood outside; if all do, none looked up.
@@ -55,6 +57,7 @@ class GroupParameters:
     headroom_m: float = 1.1
     least_open: float = 0.6
     doubtful_open: float = 0.48
+    mate_m: float = 10.0
     least_roofed: float = 0.3
     storey_gap_m: float = 1.2
     sight: SightParameters = field(default_factory=SightParameters)
@@ -90,7 +93,7 @@ def group_scans(
     group = _overridden(group, {rank[scan]: room for scan, room in (given or {}).items()}, scanners)
     own = _numbered(group, scanners.astype(np.float64), parameters.storey_gap_m)
     scan_room, votes = np.full(len(lifted), -1, np.int32), np.zeros(len(lifted), bool)
-    scan_room[inside], votes[inside] = own, _votes(own, views, parameters.doubtful_open)
+    scan_room[inside], votes[inside] = own, _votes(own, views, scanners, parameters)
     floors = (scanner_positions[:, 2] - _clearance(structure, planes, scanner_positions, -1.0)).astype(np.float32)
     return Groups(scan_room, lifted, floors, votes)
 
@@ -125,13 +128,17 @@ def _joined(count: int, views: Views, least_open: float) -> I64:
     return np.array([min(room) for room in rooms], np.int64)
 
 
-def _votes(scan_room: I32, views: Views, doubtful_open: float) -> Bool:
-    """``(S,)``: False where a scan is very open to another room, if its own has other scans that vote."""
-    a, b = views.pairs[views.openness >= doubtful_open].T
+def _votes(scan_room: I32, views: Views, scanners: F32, parameters: GroupParameters) -> Bool:
+    """``(S,)``: False where a scan is very open to another room, if its own has others near it that vote.
+
+    Elsewhere in a long corridor there may be none to look at what lies around it.
+    """
+    a, b = views.pairs[views.openness >= parameters.doubtful_open].T
     across = scan_room[a] != scan_room[b]
     votes = np.ones(len(scan_room), bool)
     for scan in np.unique(np.concatenate([a[across], b[across]])):
-        mates = np.flatnonzero((scan_room == scan_room[scan]) & votes)
+        near = np.linalg.norm(scanners - scanners[scan], axis=1) < parameters.mate_m
+        mates = np.flatnonzero((scan_room == scan_room[scan]) & votes & near)
         votes[scan] = len(mates) == 1
     return votes
 

@@ -27,7 +27,9 @@ class SightParameters:
     Attributes
     ----------
     reach_m
-        Scans farther apart than this are not compared.
+        Scans farther apart than this are compared only if they see each other from under the ceiling,
+    far_m
+        and not at all if they are farther apart than this.
     level_m
         Nor those farther apart than this in height.
     azimuths
@@ -53,6 +55,7 @@ class SightParameters:
     """
 
     reach_m: float = 20.0
+    far_m: float = 40.0
     level_m: float = 1.6
     azimuths: int = 180
     places: int = 122
@@ -105,14 +108,25 @@ def compare_views(
     Places are sampled evenly over the area that each viewpoint overlooks; those that another viewpoint overlooks
     from nearer are left to that one, so that what is seen through a passage does not count as here.
     """
-    pairs = np.sort(cKDTree(scanners).query_pairs(parameters.reach_m, output_type="ndarray"), axis=1)
-    pairs = pairs[np.abs(scanners[pairs[:, 0], 2] - scanners[pairs[:, 1], 2]) <= parameters.level_m]
-    pairs = pairs[np.lexsort(pairs.T[::-1])]
+    pairs = _compared(structure, scanners, viewpoints, parameters)
     viewpoints, ends = _levelled(scanners, viewpoints, pairs, parameters.door_head_m)
     places = _free_places(structure, viewpoints, parameters)
     own = _own_places(structure, viewpoints, places) & _roofed(structure, places)
     openness = np.array([_openness(structure, planes, viewpoints, places, own, a, b, parameters) for a, b in ends])
     return Views(pairs, openness.reshape(-1))
+
+
+def _compared(structure: Structure, scanners: F32, viewpoints: F32, parameters: SightParameters) -> I64:
+    """``(n, 2)`` pairs of scans to compare, the smaller first: those near each other, and those along one corridor."""
+    pairs = np.sort(cKDTree(scanners).query_pairs(parameters.far_m, output_type="ndarray"), axis=1)
+    apart = scanners[pairs[:, 0]] - scanners[pairs[:, 1]]
+    level = np.abs(apart[:, 2]) <= parameters.level_m
+    pairs, apart = pairs[level], apart[level]
+    compared = np.linalg.norm(apart, axis=1) <= parameters.reach_m
+    far = np.flatnonzero(~compared)
+    compared[far] = ~structure.blocked(viewpoints[pairs[far, 0]], viewpoints[pairs[far, 1]])
+    pairs = pairs[compared]
+    return np.asarray(pairs[np.lexsort(pairs.T[::-1])], np.int64)
 
 
 def _levelled(scanners: F32, viewpoints: F32, pairs: I64, door_head_m: float) -> tuple[F32, I64]:

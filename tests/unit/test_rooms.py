@@ -105,6 +105,25 @@ def test_a_room_far_along_a_corridor_is_not_joined_to_it_by_what_is_seen_at_a_sl
     assert build(parts).groups.scan_room.tolist() == [0, 1]
 
 
+def test_scans_far_apart_along_one_corridor_are_one_room() -> None:
+    corridor = Box((0.0, 0.0, 0.0), (1.6, 30.0, 2.5), (0.7, 2.0, 1.5), "corridor")
+    end = replace(corridor, scanner=(0.9, 27.0, 1.5), name="end")
+    building = build([scan(box, [box], None, spacing=0.04) for box in (corridor, end)])
+    assert building.groups.scan_room.tolist() == [0, 0]
+
+
+@pytest.mark.parametrize(("mate", "votes"), [(4.5, False), (13.0, True)])
+def test_a_scan_before_a_wide_passage_votes_where_no_other_of_its_room_is_near(mate: float, votes: bool) -> None:
+    corridor = Box((0.0, 0.0, 0.0), (2.5, 16.0, 2.5), (1.2, 1.2, 1.5), "corridor")
+    other = replace(corridor, scanner=(1.0, mate, 1.5), name="mate")
+    room = Box((2.65, 0.0, 0.0), (6.0, 3.0, 2.5), (4.5, 1.6, 1.5), "room")
+    hole = Door(2.575, (0.2, 1.7), 2.6)
+    parts = [scan(box, [box, room], hole, spacing=0.04) for box in (corridor, other)]
+    groups = build([*parts, scan(room, [corridor, room], hole, spacing=0.04)]).groups
+    assert groups.scan_room.tolist() == [0, 0, 1]
+    assert groups.votes.tolist() == [votes, True, True]
+
+
 def test_numbers_do_not_depend_on_the_order_of_scans() -> None:
     cloud = thin(scans(DOOR)[::-1])
     groups = group_scans(find_planes(make_surfels(cloud)), cloud.scanner_positions)
