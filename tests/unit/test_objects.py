@@ -8,12 +8,13 @@ from box_scene import BoxScene
 
 from enfilade.descriptors import TOTAL, Layout
 from enfilade.ingest.objects import ObjectParameters, find_objects
-from enfilade.ingest.objects.bays import area, hull_area, hull_of
+from enfilade.ingest.objects.bays import area, cut_slits, hull_area, hull_of
 from enfilade.ingest.objects.combinations import combine, find_near
 from enfilade.ingest.objects.masks import Face, Mask
 from enfilade.ingest.objects.people import is_person
 from enfilade.ingest.objects.segments import connect, without_outliers
 from enfilade.ingest.objects.sightlines import Suspect, find_ghosts
+from enfilade.ingest.objects.structure import in_openings
 from enfilade.ingest.records import Opening, Planes, Segment, Surfels, ThinnedCloud
 from enfilade.ingest.sides import Side
 
@@ -484,3 +485,52 @@ def test_the_leaf_of_a_closed_door_is_no_object():
     door = Opening("door", "horizontal", 0, None, position, normal, 0.9, 2.0, 0.0, 1.8, 0, "closed", 0.5)
     assert len(find_objects(cloud, surfels, planes, labels, rooms).segments) == 1
     assert find_objects(cloud, surfels, planes, labels, rooms, openings=[door]).segments == ()
+
+
+def test_a_worktop_is_parted_from_the_units_below_it():
+    scene = furnished()
+    scene.block((0.5, 3.38, 0.0), (3.5, 3.98, 0.9), 0)
+    found, _ = objects_of(scene)
+    tops = [segment for segment in found.segments if segment.floor_offset > 0.7]
+    units = [segment for segment in found.segments if segment.floor_offset < 0.1]
+    assert (len(tops), len(units)) == (3, 5)
+    assert all(segment.size[2] < 0.1 for segment in tops)
+    assert tuple(segment.number for segment in tops) in {each.segments for each in found.combinations}
+
+
+def test_the_end_of_a_cupboard_is_no_wall_though_it_lies_in_the_plane_of_one():
+    scene = BoxScene()
+    scene.room(0, (0, 0, 0), (4, 6, 2.5))
+    scene.add(0, 2.0, (0.0, 0.0), (0.6, 2.5), -1, 0)
+    scene.block((2.0, 5.4, 0.0), (3.0, 5.98, 2.0), 0, plane=True)
+    scene.rectangles = [replace(r, plane=r.plane and not (r.axis == 1 and r.at == 5.4)) for r in scene.rectangles]
+    scene.scanners = [((0.8, 3.0, 1.6), 0), ((1.2, 4.4, 1.6), 0)]
+    found, cloud = objects_of(scene)
+    x, y, z = cloud.positions[np.concatenate([segment.points for segment in found.segments])].T
+    assert ((x < 2.02) & (y > 5.4) & (z > 0.1)).sum() > 1000
+    assert (x > 2.02).sum() > 1000
+
+
+def test_a_low_sill_as_deep_as_a_reveal_is_no_object():
+    scene = furnished()
+    scene.block((0.5, 3.6, 0.0), (3.5, 3.98, 0.12), 0)
+    assert objects_of(scene)[0].segments == ()
+
+
+def test_a_slit_parts_what_is_as_high_and_lines_of_a_scan_do_not():
+    x, y = (axis.ravel() for axis in np.meshgrid(np.arange(0.0, 1.2, 0.01), np.arange(0.0, 0.8, 0.01)))
+    top = np.column_stack([x, y, np.full(len(x), 0.45)])
+    slit = top[(x < 0.7) | (x > 0.77) | ((x > 0.73) & (x < 0.74) & (y < 0.1))]
+    lines = top[(100 * x).round() % 5 == 0]
+    assert sorted(len(part) for part in cut_slits(slit, ObjectParameters())) == sorted(
+        [int((slit[:, 0] < 0.735).sum()), int((slit[:, 0] > 0.735).sum())]
+    )
+    assert [len(part) for part in cut_slits(lines, ObjectParameters())] == [len(lines)]
+
+
+def test_what_stands_in_a_passage_is_in_the_room_and_the_end_of_the_wall_is_not():
+    position, normal = np.array([0.0, 0.0, 1.25]), np.array([1.0, 0.0, 0.0])
+    given = ("horizontal", 0, 1, position, normal, 3.0, 2.5, 0.0, 2.5, 7.5, "open", 0.9)
+    places = np.array([[0.1, 0.0, 0.5], [0.1, 1.5, 0.5]])
+    assert in_openings(places, [Opening("passage", *given)], ObjectParameters()).tolist() == [False, True]
+    assert in_openings(places, [Opening("door", *given)], ObjectParameters()).tolist() == [True, True]

@@ -11,13 +11,16 @@ from numba import njit
 from numpy.typing import NDArray
 
 from enfilade.ingest.objects.parameters import ObjectParameters
-from enfilade.ingest.records import F64
+from enfilade.ingest.records import F64, Bool
 
 I64 = NDArray[np.int64]
 
 CUT_M: Final = 0.05
 SHORT_M: Final = 0.1
 """A cut may leave so much more hull, in m² a metre, if it is shorter: of two as good, the shorter is right."""
+SLIT_CELL_M: Final = 0.01
+STRAY: Final = 0.15
+"""So much of what is elsewhere may lie in a slit: points in the air between near and far edges."""
 LEAST_CELLS: Final = 6
 WIDER_M: Final = 0.02
 """Hulls of the cells' centres are made so much wider."""
@@ -44,6 +47,57 @@ def cut_bays(points: F64, parameters: ObjectParameters) -> Iterator[I64]:
     yield from (np.flatnonzero(part[column] == k) for k in range(part.max() + 1))
 
 
+def cut_slits(points: F64, parameters: ObjectParameters) -> Iterator[I64]:
+    """Cut a piece where a straight slit goes through all of its plan, as between a table and what stands close to it.
+
+    The lines in which a scanner sees a top leave gaps as well, of which none is much wider than all others.
+
+    Parameters
+    ----------
+    points
+        ``(n, 3)`` metres, one piece after `split`.
+    parameters
+        Least width of pieces and of slits.
+
+    Yields
+    ------
+    Indices of the points of each part.
+    """
+    waiting = [np.arange(len(points))]
+    while waiting:
+        own = waiting.pop()
+        half = _slit(points[own], parameters)
+        if half is None:
+            yield own
+        else:
+            waiting += [own[~half], own[half]]
+
+
+def _slit(points: F64, parameters: ObjectParameters) -> Bool | None:
+    """Which points lie on one side of a slit between two surfaces that were seen, None if there is none."""
+    cells, column = columns(points, parameters)
+    along, extent = frame(cells)
+    margin = parameters.min_board_m
+    for axis in np.flatnonzero(extent > 2 * margin):
+        place = points[:, :2] @ along[:, axis]
+        filled = np.bincount(((place - place.min()) / SLIT_CELL_M).astype(np.int64))
+        full = np.flatnonzero(filled > STRAY * np.median(filled[filled > 0]))
+        gap = (np.diff(full) - 1) * SLIT_CELL_M
+        if len(gap) < 2 or gap.max() < max(parameters.min_slit_m, 2 * np.partition(gap, -2)[-2]):
+            continue
+        before = int(gap.argmax())
+        half: Bool = place < place.min() + (full[before] + full[before + 1] + 1) / 2 * SLIT_CELL_M
+        if all(_is_surface(cells[np.unique(column[side])], along, parameters) for side in (half, ~half)):
+            return half
+    return None
+
+
+def _is_surface(cells: F64, along: F64, parameters: ObjectParameters) -> bool:
+    """Whether cells fill most of their hull, and that is as wide as furniture."""
+    wide = len(cells) >= LEAST_CELLS and np.ptp(cells @ along, axis=0).min() >= parameters.min_board_m
+    return bool(wide and len(cells) * parameters.plan_cell_m**2 >= parameters.min_fill * area(hull_of(cells)))
+
+
 def parts(cells: F64, parameters: ObjectParameters, least_covered: float) -> Iterator[I64]:
     """Cut until no part that covers at least so much of its hull has a bay; yields the cells of each part."""
     waiting = [np.arange(len(cells))]
@@ -56,7 +110,7 @@ def parts(cells: F64, parameters: ObjectParameters, least_covered: float) -> Ite
             waiting += [own[~half], own[half]]
 
 
-def _bay(cells: F64, parameters: ObjectParameters, least_covered: float) -> NDArray[np.bool_] | None:
+def _bay(cells: F64, parameters: ObjectParameters, least_covered: float) -> Bool | None:
     """Which cells lie on one side of the straight cut that takes most off the hull, None if none takes much.
 
     Halves must fill their hulls, but where all is cut that covers however little of its hull.

@@ -11,7 +11,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from enfilade.descriptors import DEFAULT_LAYOUT, Layout
-from enfilade.ingest.objects.bays import cut_bays
+from enfilade.ingest.objects.bays import cut_bays, cut_slits
 from enfilade.ingest.objects.belonging import rooms_of_points
 from enfilade.ingest.objects.combinations import combine, describe_all, find_near
 from enfilade.ingest.objects.masks import Face, Mask, standing_off
@@ -166,9 +166,11 @@ def _pieces(positions: F64, floor_m: float, parameters: ObjectParameters) -> Ite
     scrap = counts < parameters.min_voxels
     piece[scrap[piece]] = counts.argmax()
     for number in np.unique(piece):
-        own = np.flatnonzero(piece == number)
-        for part in cut_bays(positions[own], parameters):
-            yield from (own[part[module]] for module in cut_row(positions[own[part]], floor_m, parameters))
+        whole = np.flatnonzero(piece == number)
+        for slit in cut_slits(positions[whole], parameters):
+            own = whole[slit]
+            for part in cut_bays(positions[own], parameters):
+                yield from (own[part[module]] for module in cut_row(positions[own[part]], floor_m, parameters))
 
 
 def _faces(sides: Iterable[Side], surfels: Surfels, parameters: ObjectParameters) -> list[Face]:

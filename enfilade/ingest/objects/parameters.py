@@ -33,8 +33,9 @@ class ObjectParameters:
         What is set back into a wall and is narrower and higher than this is the leaf of a door.
     max_leaf_thickness_m, max_hinge_m
         An open leaf is thinner, with its handles; its line passes the jamb so near, and its top the lintel.
-    max_railing_m, min_railing_m
-        What is thinner than the first, longer than the second and stands on the floor is a railing or a low wall.
+    max_railing_m, min_railing_m, max_sill_m
+        What is thinner than the first, longer than the second and stands on the floor is a railing or a low wall; so is
+        what is no thicker than a reveal and lower than the third, a sill.
     max_riser_m, handrail_m
         What lies so far under the tread of a stair, or over it, belongs to the stair.
     min_soffit_m
@@ -76,6 +77,8 @@ class ObjectParameters:
         the third: a back or an arm.
     min_convexity, min_arm_convexity
         Share of its hull that a piece covers, and that one with an arm covers.
+    min_slit_m
+        Least width of a slit that parts two pieces.
     min_thing_m, min_table_m2
         A thing on a table is so much higher, a table so large.
     max_single_m, max_row_depth_m, max_table_depth_m, module_m
@@ -112,6 +115,7 @@ class ObjectParameters:
     max_hinge_m: float = 0.3
     max_railing_m: float = 0.25
     min_railing_m: float = 1.5
+    max_sill_m: float = 0.2
     max_riser_m: float = 0.4
     handrail_m: float = 1.25
     min_soffit_m: float = 1.7
@@ -141,6 +145,7 @@ class ObjectParameters:
     min_surface_m: float = 0.2
     min_convexity: float = 0.92
     min_arm_convexity: float = 0.75
+    min_slit_m: float = 0.04
     min_thing_m: float = 0.15
     min_table_m2: float = 0.4
     max_single_m: float = 2.25

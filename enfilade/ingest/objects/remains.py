@@ -94,12 +94,15 @@ class Remains:
     def _is_railing(self, points: F64) -> bool:
         """Whether it is a long thin thing that stands on the floor, or on less: a railing, a parapet, a low wall.
 
-        One of laths or the like that goes up to the ceiling is a wall, too.
+        One of laths or the like that goes up to the ceiling is a wall, too, and one as deep as a reveal and no higher
+        than a step is a sill.
         """
         along = _along(points)
         length, thickness = np.ptp(np.quantile(along, (0.02, 0.98), axis=0), axis=0)
         bottom, top = np.quantile(points[:, 2], (0.02, 0.98)) - self.room.floor_elevation
-        if length < self.parameters.min_railing_m or thickness > self.parameters.max_railing_m:
+        sill = bottom < 2 * self.parameters.floor_reach_m and top < self.parameters.max_sill_m
+        most = self.parameters.max_reveal_m if sill else self.parameters.max_railing_m
+        if length < self.parameters.min_railing_m or thickness > most:
             return False
         low = bottom < 2 * self.parameters.floor_reach_m and top < self.parameters.handrail_m
         return bool(low or (bottom < self.parameters.max_hinge_m and self._reaches_ceiling(points, along[:, 0])))

@@ -7,13 +7,14 @@ only if it is a wall that reaches the ceiling or stands on the room's outline, a
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Final
 
 import numpy as np
 import shapely
 from numba import njit
+from numpy.typing import NDArray
 from scipy import ndimage
 
 from enfilade.ingest.objects.masks import CELL_M, Mask
@@ -24,8 +25,11 @@ from enfilade.ingest.parallel import at_once
 from enfilade.ingest.records import F64, I32, Bool, Opening, Planes, Room, RoomLabels, Surfels
 from enfilade.ingest.sides import Patch, Side, axes, cut_by_room, join_patches
 
+I64 = NDArray[np.int64]
+
 AREA_CELL_M: Final = 0.1
 PLAN_CELL_M: Final = 0.25
+APART_M: Final = 1.0
 ALONG: Final = 0.7
 """Share of a side that must lie along the outline, or behind which there must be a wall."""
 
@@ -130,6 +134,8 @@ def find_structure(
 def in_openings(points: F64, openings: Iterable[Opening], parameters: ObjectParameters) -> Bool:
     """Tell which points lie within the thickness of the wall in a door or window: leaf, frame, sill and glass.
 
+    In a passage there is neither, but the ends of the wall beside it.
+
     Parameters
     ----------
     points
@@ -151,21 +157,27 @@ def in_openings(points: F64, openings: Iterable[Opening], parameters: ObjectPara
             behind = parameters.max_reveal_m if opening.room_b is None else parameters.max_reveal_m / 2
             half = np.array([opening.width, opening.height]) / 2 + parameters.frame_m
             low, high = np.array([*-half, -behind]), np.array([*half, before])
-            _add_inside(inside, points, opening.position.astype(np.float64), frame, low, high)
+            bare = opening.kind == "passage"
+            inner = half - 2 * parameters.frame_m if bare else np.zeros(2)
+            _add_inside(inside, points, opening.position.astype(np.float64), frame, low, high, inner)
     return inside
 
 
 @njit(cache=True, nogil=True)
-def _add_inside(inside: Bool, points: F64, centre: F64, frame: F64, low: F64, high: F64) -> None:
-    """Mark the points that lie between two corners, given along the axes of a frame, ``(3, 3)`` in rows."""
+def _add_inside(inside: Bool, points: F64, centre: F64, frame: F64, low: F64, high: F64, inner: F64) -> None:
+    """Mark the points that lie between two corners, given along the axes of a frame, ``(3, 3)`` in rows.
+
+    What is nearer to the centre than `inner`, ``(2,)`` along the first two axes, is not marked.
+    """
     for i in range(len(points)):
-        within = True
+        within, open_space = True, True
         for axis in range(3):
             along = 0.0
             for k in range(3):
                 along += (points[i, k] - centre[k]) * frame[axis, k]
             within &= low[axis] < along < high[axis]
-        inside[i] |= within
+            open_space &= axis > 1 or abs(along) < inner[axis]
+        inside[i] |= within and not open_space
 
 
 def _structure_of_room(
@@ -177,7 +189,7 @@ def _structure_of_room(
     )
     level = [side for side in sides if not side.vertical and _is_level(side, room, surfels, parameters)]
     ceiling = CeilingMap([side for side in level if side.normal[2] < 0], room, surfels)
-    upright = [side for side in sides if side.vertical]
+    upright = [run for side in sides if side.vertical for run in _runs(side, surfels)]
     tall = [_reaches_ceiling(side, ceiling, surfels, parameters) for side in upright]
     walls = [side for side, reaches in zip(upright, tall, strict=True) if reaches]
     others = [side for side, reaches in zip(upright, tall, strict=True) if not reaches]
@@ -187,6 +199,20 @@ def _structure_of_room(
     boards = [np.zeros(0, dtype=np.int32)]
     boards += [side.surfels[find_boards(side, ceiling.below(side, surfels), surfels, parameters)] for side in walls]
     return sides, (*level, *walls), ceiling, np.concatenate(boards)
+
+
+def _runs(side: Side, surfels: Surfels) -> list[Side]:
+    """Cut a side where nothing of it is for long: the end of a cupboard may lie in the plane of a wall far away."""
+    positions = surfels.positions[side.surfels].astype(np.float64)
+    along = positions @ side.u
+    order = np.argsort(along, kind="stable")
+    runs = np.split(order, np.flatnonzero(np.diff(along[order]) > APART_M) + 1)
+    return [_run(side, np.sort(run), positions) for run in runs] if len(runs) > 1 else [side]
+
+
+def _run(side: Side, run: I64, positions: F64) -> Side:
+    places = positions[run] @ np.column_stack([side.u, side.v])
+    return replace(side, surfels=side.surfels[run], bounds=np.concatenate([places.min(axis=0), places.max(axis=0)]))
 
 
 def _is_level(side: Side, room: Room, surfels: Surfels, parameters: ObjectParameters) -> bool:

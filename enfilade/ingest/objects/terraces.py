@@ -21,7 +21,7 @@ from scipy.spatial import cKDTree
 
 from enfilade.ingest.objects.bays import LEAST_CELLS, area, columns, frame, hull_of, parts
 from enfilade.ingest.objects.parameters import ObjectParameters
-from enfilade.ingest.records import F64
+from enfilade.ingest.records import F64, Bool
 
 I64 = NDArray[np.int64]
 
@@ -235,8 +235,25 @@ def cut_row(points: F64, floor_m: float, parameters: ObjectParameters) -> Iterat
     if count == 1 or extent.min() > deepest:
         yield np.arange(len(points))
         return
-    module = np.minimum((along - along.min()) / length * count, count - 1).astype(np.int64)
+    share = (along - along.min()) / length
+    module = np.minimum(share * count, count - 1).astype(np.int64)
+    if length > parameters.max_single_m and extent.min() <= parameters.max_row_depth_m:
+        upon = _is_upon_worktop(points, along, column, floor_m, parameters)
+        module[upon] = count + np.minimum(share[upon] * WHOLE_AGAIN, WHOLE_AGAIN - 1).astype(np.int64)
     yield from (np.flatnonzero(module == k) for k in np.unique(module))
+
+
+def _is_upon_worktop(points: F64, along: F64, column: I64, floor_m: float, parameters: ObjectParameters) -> Bool:
+    """``(n,) bool``: which points of a row are the worktop that lies on closed units, or stand on it."""
+    height = np.full(column.max() + 1, -np.inf)
+    np.maximum.at(height, column, points[:, 2])
+    level = float(np.median(height))
+    upon = points[:, 2] > level - parameters.max_step_m
+    as_high = parameters.min_top_m < level - floor_m < parameters.max_top_m
+    flat = (np.abs(height - level) < parameters.max_step_m).mean() > parameters.min_fill
+    if as_high and flat and not upon.all() and _is_front(along[~upon], points[~upon, 2], parameters):
+        return upon
+    return np.zeros(len(points), dtype=bool)
 
 
 def _is_level(points: F64, column: I64, parameters: ObjectParameters) -> bool:
