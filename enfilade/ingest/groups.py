@@ -42,8 +42,8 @@ class GroupParameters:
         Share of the boundary between two scans that must be open.
     doubtful_open
         A scan this open to another room does not vote on where rooms end,
-    mate_m
-        if one of its own room that votes stands this near.
+    least_overlooked
+        if those of its own room that vote overlook such a share of what it does.
     least_roofed
         Share of the directions upwards in which a scan inside a building meets a ceiling or a roof. Those of fewer
         stood outside; if all do, none looked up.
@@ -57,7 +57,7 @@ class GroupParameters:
     headroom_m: float = 1.1
     least_open: float = 0.6
     doubtful_open: float = 0.48
-    mate_m: float = 10.0
+    least_overlooked: float = 0.75
     least_roofed: float = 0.3
     storey_gap_m: float = 1.2
     sight: SightParameters = field(default_factory=SightParameters)
@@ -93,7 +93,7 @@ def group_scans(
     group = _overridden(group, {rank[scan]: room for scan, room in (given or {}).items()}, scanners)
     own = _numbered(group, scanners.astype(np.float64), parameters.storey_gap_m)
     scan_room, votes = np.full(len(lifted), -1, np.int32), np.zeros(len(lifted), bool)
-    scan_room[inside], votes[inside] = own, _votes(own, views, scanners, parameters)
+    scan_room[inside], votes[inside] = own, _votes(own, views, structure, lifted[inside], parameters)
     floors = (scanner_positions[:, 2] - _clearance(structure, planes, scanner_positions, -1.0)).astype(np.float32)
     return Groups(scan_room, lifted, floors, votes)
 
@@ -128,18 +128,22 @@ def _joined(count: int, views: Views, least_open: float) -> I64:
     return np.array([min(room) for room in rooms], np.int64)
 
 
-def _votes(scan_room: I32, views: Views, scanners: F32, parameters: GroupParameters) -> Bool:
-    """``(S,)``: False where a scan is very open to another room, if its own has others near it that vote.
+def _votes(scan_room: I32, views: Views, structure: Structure, lifted: F32, parameters: GroupParameters) -> Bool:
+    """``(S,)``: False where a scan is very open to another room, and others of its own that vote overlook the same.
 
-    Elsewhere in a long corridor there may be none to look at what lies around it.
+    In a passage others do; at the corner of a corridor with walls of glass none may look at the other arm.
     """
     a, b = views.pairs[views.openness >= parameters.doubtful_open].T
     across = scan_room[a] != scan_room[b]
     votes = np.ones(len(scan_room), bool)
     for scan in np.unique(np.concatenate([a[across], b[across]])):
-        near = np.linalg.norm(scanners - scanners[scan], axis=1) < parameters.mate_m
-        mates = np.flatnonzero((scan_room == scan_room[scan]) & votes & near)
-        votes[scan] = len(mates) == 1
+        votes[scan] = False
+        mates = np.flatnonzero((scan_room == scan_room[scan]) & votes)
+        seen = np.zeros(len(views.places[scan]), bool)
+        for mate in mates:
+            near = np.linalg.norm(views.places[scan] - lifted[mate], axis=1) < parameters.sight.reach_m
+            seen |= near & ~structure.blocked(views.places[scan], np.broadcast_to(lifted[mate], (len(near), 3)))
+        votes[scan] = seen.mean() < parameters.least_overlooked
     return votes
 
 

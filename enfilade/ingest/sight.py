@@ -80,10 +80,13 @@ class Views:
     openness
         ``(n,) float64`` share of the boundary between the two that no wall closes: 1 in one convex room, 0 through
         walls and doors with lintels; NaN where they lie too far round corners to tell.
+    places
+        ``(S, K, 3) float32`` places spread over the area that each scan overlooks.
     """
 
     pairs: I64
     openness: F64
+    places: F32
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +116,7 @@ def compare_views(
     places = _free_places(structure, viewpoints, parameters)
     own = _own_places(structure, viewpoints, places) & _roofed(structure, places)
     openness = np.array([_openness(structure, planes, viewpoints, places, own, a, b, parameters) for a, b in ends])
-    return Views(pairs, openness.reshape(-1))
+    return Views(pairs, openness.reshape(-1), places[: len(scanners)])
 
 
 def _compared(structure: Structure, scanners: F32, viewpoints: F32, parameters: SightParameters) -> I64:

@@ -112,9 +112,9 @@ def test_scans_far_apart_along_one_corridor_are_one_room() -> None:
     assert building.groups.scan_room.tolist() == [0, 0]
 
 
-@pytest.mark.parametrize(("mate", "votes"), [(4.5, False), (13.0, True)])
-def test_a_scan_before_a_wide_passage_votes_where_no_other_of_its_room_is_near(mate: float, votes: bool) -> None:
-    corridor = Box((0.0, 0.0, 0.0), (2.5, 16.0, 2.5), (1.2, 1.2, 1.5), "corridor")
+@pytest.mark.parametrize(("mate", "votes"), [(4.5, False), (27.0, True)])
+def test_a_scan_before_a_wide_passage_votes_where_no_other_overlooks_what_it_does(mate: float, votes: bool) -> None:
+    corridor = Box((0.0, 0.0, 0.0), (2.5, 30.0, 2.5), (1.2, 1.2, 1.5), "corridor")
     other = replace(corridor, scanner=(1.0, mate, 1.5), name="mate")
     room = Box((2.65, 0.0, 0.0), (6.0, 3.0, 2.5), (4.5, 1.6, 1.5), "room")
     hole = Door(2.575, (0.2, 1.7), 2.6)
@@ -221,6 +221,18 @@ def test_what_lies_outside_the_plan_is_of_no_room(two_rooms: Building) -> None:
     middle_of_left = two_rooms.surfels.positions[:, 0] < 3.0
     assert (kept.after[middle_of_left] != 1).all()
     assert (keep_inside(two_rooms.surfels, two_rooms.labels, plans).after >= 0).mean() > 0.999
+
+
+def test_what_faces_up_above_a_ceiling_is_the_floor_over_it_and_not_of_the_room(two_rooms: Building) -> None:
+    surfels, labels = two_rooms.surfels, two_rooms.labels
+    plans = draw_plans(two_rooms.cloud, surfels, two_rooms.planes, labels)
+    moved = (surfels.positions[:, 0] < 3.0) & (np.abs(surfels.normals[:, 2]) > 0.9)
+    positions = surfels.positions.copy()
+    positions[moved, 2] = 2.7
+    kept = keep_inside(replace(surfels, positions=positions), replace(labels, after=1 - labels.after), plans)
+    upward = surfels.normals[:, 2] > 0.9
+    assert (kept.after[moved & upward] == -1).all()
+    assert (kept.after[moved & ~upward] == 0).all()
 
 
 def grid(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> np.ndarray:
