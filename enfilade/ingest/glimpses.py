@@ -141,7 +141,8 @@ def add_glimpsed_rooms(
         return labels
     places = surfels.positions[floor]
     component = _linked(places, structure, parameters.link_m, parameters)
-    known = _one_a_cell(surfels, planes, _known_floor(surfels, planes, labels, plans), parameters.cell_m)
+    known = _known_floor(surfels, planes, labels, plans, parameters.furniture_m)
+    known = _one_a_cell(surfels, planes, known, parameters.cell_m)
     room = _adjoining(places, component, surfels.positions[known], labels.after[known], structure, parameters)
     _give_to_scans(room, places, component, scanner_positions, labels.scan_room, structure, parameters)
     signs = _signs(places, scanner_positions[surfels.scan[floor]], structure, planes, parameters)
@@ -168,13 +169,19 @@ def _free_floor(surfels: Surfels, planes: Planes, labels: RoomLabels) -> I64:
     return np.flatnonzero((labels.after < 0) & upward[planes.surfel_plane] & seen_from_inside)
 
 
-def _known_floor(surfels: Surfels, planes: Planes, labels: RoomLabels, plans: Sequence[Plan]) -> I64:
-    """Surfels of level planes that face up, in the plan of their room: what lies in a doorway is not."""
+def _known_floor(
+    surfels: Surfels, planes: Planes, labels: RoomLabels, plans: Sequence[Plan], furniture_m: float
+) -> I64:
+    """Surfels of level planes that face up, in the plan of their room: what lies in a doorway is not.
+
+    Nor are the tops of what is higher than tables: they come near the floor of the next storey.
+    """
     upward = np.append(planes.horizontal & (planes.normals[:, 2] > 0.0), False)[planes.surfel_plane]
     members = []
     for plan, own in zip(plans, members_of(np.where(upward, labels.after, -1), len(plans)), strict=True):
         outline = shapely.Polygon(plan.outline[0])
         shapely.prepare(outline)
+        own = own[surfels.positions[own, 2] < plan.floor_elevation + furniture_m]
         members.append(own[shapely.contains_xy(outline, *surfels.positions[own, :2].T.astype(np.float64))])
     return np.concatenate([np.zeros(0, np.int64), *members])
 
@@ -258,6 +265,7 @@ def _give_to_lookers(
     scan = np.tile(inside, len(place) // max(len(inside), 1))
     near = np.linalg.norm(scans.positions[scan] - places[place], axis=1) < parameters.reach_m
     near &= scans.floors[scan] - places[place, 2] < parameters.step_m
+    near &= scans.positions[scan, 2] > places[place, 2]  # from below, the upper side of a floor is not seen
     place, scan = place[near], scan[near]
     sees = ~structure.blocked(places[place] + _LIFT_M * _UP, scans.positions[scan])
     pairs = np.unique(np.stack([place[sees], scans.room[scan[sees]]]), axis=1)
@@ -283,7 +291,7 @@ def _adjoining(
     room = np.full(int(component.max()) + 1, -1, np.int32)
     if not len(known):
         return room
-    flat = _flattened(parameters)
+    flat = _flattened(parameters.link_m, parameters)
     nearest = cKDTree(known * flat).query(places * flat, distance_upper_bound=parameters.link_m)
     place = np.flatnonzero(np.isfinite(nearest[0]))
     other = np.asarray(nearest[1])[place]
@@ -341,15 +349,15 @@ def _taken_in(
     return replace(labels, after=after, agreement=agreement, room_count=labels.room_count + new)
 
 
-def _flattened(parameters: GlimpseParameters) -> F32:
+def _flattened(reach_m: float, parameters: GlimpseParameters) -> F32:
     """Scale of x, y, z in which tops of furniture are near the floor beside them."""
-    return np.array([1.0, 1.0, parameters.link_m / parameters.furniture_m], np.float32)
+    return np.array([1.0, 1.0, reach_m / parameters.furniture_m], np.float32)
 
 
 def _linked(places: F32, structure: Structure, reach_m: float, parameters: GlimpseParameters) -> I32:
     """``(n,)`` component of each place: of one are those close together in plan with no wall between, tables too."""
     eye = parameters.eye_m * _UP
-    pairs = cKDTree(places * _flattened(parameters)).query_pairs(reach_m, output_type="ndarray")
+    pairs = cKDTree(places * _flattened(reach_m, parameters)).query_pairs(reach_m, output_type="ndarray")
     free = ~structure.blocked(places[pairs[:, 0]] + eye, places[pairs[:, 1]] + eye)
     links = sparse.coo_array((np.ones(free.sum(), np.int8), tuple(pairs[free].T)), shape=(len(places), len(places)))
     return np.asarray(sparse.csgraph.connected_components(links, directed=False)[1], np.int32)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 import shapely
@@ -14,6 +15,7 @@ from .parallel import at_once
 from .records import F32, F64, I32, Bool, Plan, RoomLabels, Surfels
 
 I64 = NDArray[np.int64]
+_LEVEL: Final = 0.7
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +53,8 @@ def keep_inside(
     after = labels.after.copy()
     near = _near_own(xy[suspects], labels.after[suspects], outlines, parameters.reveal_m)
     after[suspects[~near]] = -1
-    suspect, room = _containing(surfels.positions[suspects], outlines, plans, parameters.height_m)
+    upward = surfels.normals[suspects, 2] > _LEVEL
+    suspect, room = _containing(surfels.positions[suspects], upward, outlines, plans, parameters.height_m)
     after[suspects[suspect]] = room
     return replace(labels, after=after)
 
@@ -70,15 +73,19 @@ def _near_own(xy: F64, room: I32, outlines: NDArray[np.object_], reach_m: float)
 
 
 def _containing(
-    positions: F32, outlines: NDArray[np.object_], plans: Sequence[Plan], height_m: float
+    positions: F32, upward: Bool, outlines: NDArray[np.object_], plans: Sequence[Plan], height_m: float
 ) -> tuple[I64, I64]:
-    """Return positions and the room whose plan holds each, as index arrays; where several do, that of highest floor."""
+    """Return positions and the room whose plan holds each, as index arrays; where several do, that of highest floor.
+
+    What faces up above a room's ceiling is the floor over it, however thin the slab.
+    """
     tree = shapely.STRtree(outlines)
     position, room = tree.query(shapely.points(positions[:, :2].astype(np.float64)), predicate="within")
     floors = np.array([plan.floor_elevation for plan in plans])
     ceilings = np.array([np.inf if plan.ceiling_elevation is None else plan.ceiling_elevation for plan in plans])
     z = positions[position, 2]
-    fits = (z > floors[room] - height_m) & (z < ceilings[room] + height_m)
+    above_m = np.where(upward[position], 0.0, height_m)
+    fits = (z > floors[room] - height_m) & (z < ceilings[room] + above_m)
     position, room = position[fits], room[fits]
     best = np.lexsort((room, -floors[room], position))
     first = best[np.unique(position[best], return_index=True)[1]]

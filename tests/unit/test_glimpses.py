@@ -102,3 +102,21 @@ def test_a_small_floor_between_two_storeys_is_a_landing_and_no_room() -> None:
     assert add_glimpsed_rooms(surfels, planes, labels, [below], scanners, small).room_count == 2
     large = GlimpseParameters(least_between_m2=1.5)
     assert add_glimpsed_rooms(surfels, planes, labels, [below, above], scanners, large).room_count == 2
+
+
+def test_the_floor_of_the_next_storey_is_not_of_the_room_below_whose_cupboard_comes_near_it() -> None:
+    """Of the slab between, the room below does not see the part over the cupboard."""
+    below = scan(LEFT, [LEFT], None)
+    points = points_of(below)
+    over = (points[:, 2] > 2.4) & (points[:, 0] > 2.0)
+    top = np.stack(np.meshgrid(np.arange(2.6, 3.9, 0.02), np.arange(0.3, 2.7, 0.02), [2.1]), -1).reshape(-1, 3)
+    above = scan(RIGHT, [LEFT, RIGHT], DOOR)
+    seen = points_of(above)
+    up = np.array([0.0, 0.0, 2.8])
+    seen = seen[(seen[:, 0] > 4.0) | (seen[:, 2] < 0.05)] + up
+    upper = Scan.of_points("upper", "boxes.e57", seen, above.scanner_position + up)
+    surfels, planes, labels, plans, scanners = labelled([made_of(np.concatenate([points[~over], top]), below), upper])
+    found = add_glimpsed_rooms(surfels, planes, labels, plans, scanners)
+    upper_floor = (np.abs(surfels.positions[:, 2] - 2.8) < 0.03) & (surfels.positions[:, 0] < 3.5)
+    assert upper_floor.sum() > 100
+    assert (found.after[upper_floor] != 0).all()
