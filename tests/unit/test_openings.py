@@ -304,6 +304,17 @@ def test_rooms_on_the_two_sides_of_a_hall_without_scans_have_no_door_between_the
     assert {(opening.room_a, opening.room_b) for opening in found} <= {(0, None), (1, None)}
 
 
+def test_points_too_sparse_to_tell_their_room_do_not_hide_the_one_that_a_door_leads_to():
+    """As at the far end of a corridor: three points of four behind the door belong to no surfel."""
+    scene = two_rooms(holes=[DOOR])
+    scene.scanners = scene.scanners[:1]
+    cloud, surfels, planes, labels, rooms = scene.scan()
+    sparse = (cloud.positions[:, 0] > 4.3) & (np.arange(len(cloud.positions)) % 4 > 0)
+    surfels = replace(surfels, point_surfel=np.where(sparse, -1, surfels.point_surfel).astype(np.int32))
+    (door,) = find_openings(cloud, surfels, planes, labels, rooms, ())
+    assert (door.kind, door.room_a, door.room_b) == ("door", 0, 1)
+
+
 def test_what_lies_in_the_plan_of_a_room_that_other_rays_lead_to_is_of_that_room():
     """Not so what lies in the plan of a room that no ray leads to, nor what was not asked."""
     far = np.array([1, -1, -1, -1, -1, 2], np.int32)

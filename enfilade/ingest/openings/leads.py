@@ -27,7 +27,9 @@ LEAST_COMMON_M = 0.05
 """Holes in the two faces of a wall that overlap by this much are one."""
 
 LEAST_KNOWN = 0.4
-"""Share of the vote that a room has against what is of no room, at least: else a space that is no room lies between."""
+"""Share of the vote that a room has against what is of no room, at least: else a space that is no room lies between.
+
+Points too sparse to tell their room, as at the far end of a corridor, say nothing."""
 
 NEAR_M = 1.0
 """A ray that ends this far behind a hole counts 1/e in the vote for the room there."""
@@ -151,7 +153,8 @@ def _lead(
     weight = np.exp(-hole.beyond / NEAR_M)
     weight[hole.beyond < parameters.max_gap_m] = 0.0  # on the reveal, which has no say
     far = known_by_plan(far, weight > 0.0, rays.ends(hole.ray), plans)
-    unknown = float(weight[far < 0].sum())
+    sparse = hole.outbound & (rays.surfel[hole.ray] < 0)
+    unknown = float(weight[(far < 0) & ~sparse].sum())
     same = float(weight[far == room].sum())
     others = (far != room) & (far >= 0) & (weight > 0.0)
     if others.sum() < parameters.min_rays:

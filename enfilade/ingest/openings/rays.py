@@ -33,6 +33,8 @@ class Rays:
         ``(N,) int32`` the scan of each ray.
     from_room, to_room
         ``(N,) int32`` the room in which the scanner stands, the room of the point; -1 for none.
+    surfel
+        ``(N,) int32`` the surfel of the point; -1 where points are too sparse for one, and so of no room for that alone.
     """
 
     end: F32
@@ -40,6 +42,7 @@ class Rays:
     scan: I32
     from_room: I32
     to_room: I32
+    surfel: I32
 
     def starts(self, ray: I32) -> F64:
         """``(k, 3)`` scanner positions of some rays."""
@@ -88,7 +91,7 @@ def rays_of(cloud: ThinnedCloud, surfels: Surfels, labels: RoomLabels) -> Rays:
     """Give every thinned point its ray and the rooms at both ends."""
     to_room = taken(np.append(labels.after, np.int32(-1)), surfels.point_surfel)
     from_room = taken(labels.scan_room, cloud.scan)
-    return Rays(cloud.positions, cloud.scanner_positions, cloud.scan, from_room, to_room)
+    return Rays(cloud.positions, cloud.scanner_positions, cloud.scan, from_room, to_room, surfels.point_surfel)
 
 
 class SideViews:
