@@ -8,11 +8,13 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from shapely import Polygon, STRtree, box
 
 from enfilade.ingest.borders import Border, plan_borders, plan_of, top
-from enfilade.ingest.records import Neighbour, Planes, Room, RoomLabels, Surfels
+from enfilade.ingest.parallel import at_once
+from enfilade.ingest.records import F32, F64, I32, Bool, Neighbour, Planes, Room, RoomLabels, Surfels
 from enfilade.ingest.sides import Patch, axes, cut_by_room
 
 _AGAINST_PLANS: Final = 2.0
@@ -90,9 +92,8 @@ def find_neighbours(
     known = {room.number for room in rooms}
     patches = [p for p in cut_by_room(surfels, planes, labels, chosen.min_surfels) if p.room in known]
     contacts: defaultdict[tuple[int, int], list[_Contact]] = defaultdict(list)
-    for first, second in _candidates(patches, surfels, chosen):
-        a, b = (first, second) if first.room < second.room else (second, first)
-        contact = _overlay(a, b, surfels, chosen)
+    close = [(a, b) if a.room < b.room else (b, a) for a, b in _candidates(patches, surfels, chosen)]
+    for (a, b), contact in zip(close, at_once(_overlay, ((*pair, surfels, chosen) for pair in close)), strict=True):
         if contact is not None:
             contacts[a.room, b.room].append(contact)
     plans = {room.number: plan for room in rooms if (plan := plan_of(room)) is not None}
@@ -138,20 +139,46 @@ def _candidates(patches: list[Patch], surfels: Surfels, parameters: NeighbourPar
 
 def _overlay(a: Patch, b: Patch, surfels: Surfels, parameters: NeighbourParameters) -> _Contact | None:
     """Lay two patches over each other in the plane of the first; None where they share no cell."""
-    cells_a, cells_b = (_cell_keys(patch, a, surfels, parameters.cell_m) for patch in (a, b))
-    shared = np.intersect1d(np.unique(cells_a), np.unique(cells_b), assume_unique=True)
-    if len(shared) == 0:
+    frame = axes(a.normal)
+    shared, cells = _shared(surfels.positions, a.surfels, b.surfels, *frame, parameters.cell_m)
+    if cells == 0:
         return None
-    behind = a.offset - surfels.positions[b.surfels] @ a.normal
-    gap = float(np.median(behind[np.isin(cells_b, shared)]))
-    return _Contact((a.plane, b.plane), gap, len(shared) * parameters.cell_m**2, abs(a.normal[2]) > np.sqrt(0.5))
+    gap = float(np.median(a.offset - surfels.positions[b.surfels[shared]] @ a.normal))
+    return _Contact((a.plane, b.plane), gap, cells * parameters.cell_m**2, abs(a.normal[2]) > np.sqrt(0.5))
 
 
-def _cell_keys(patch: Patch, frame: Patch, surfels: Surfels, cell_m: float) -> NDArray[np.int64]:
-    """``(n,)`` packed grid cell of each surfel of a patch, in the plane of another."""
-    in_plane = surfels.positions[patch.surfels] @ np.column_stack(axes(frame.normal))
-    cells = np.floor(in_plane / cell_m).astype(np.int64)
-    return np.asarray((cells[:, 0] << 32) + cells[:, 1], dtype=np.int64)
+@njit(cache=True, nogil=True)
+def _shared(positions: F32, own: I32, other: I32, u: F64, v: F64, cell_m: float) -> tuple[Bool, int]:
+    """``(n,)`` which of the other patch's surfels lie in cells that hold some of the own one's; how many such cells."""
+    cells = _cells(positions, other, u, v, cell_m)
+    low, high = cells[0].copy(), cells[0].copy()
+    for cell in cells:
+        low, high = np.minimum(low, cell), np.maximum(high, cell)
+    seen = np.zeros((high[0] - low[0] + 1, high[1] - low[1] + 1), np.int8)
+    for row, column in _cells(positions, own, u, v, cell_m):
+        if low[0] <= row <= high[0] and low[1] <= column <= high[1]:
+            seen[row - low[0], column - low[1]] = 1
+    shared, count = np.zeros(len(other), np.bool_), 0
+    for i in range(len(other)):
+        row, column = cells[i, 0] - low[0], cells[i, 1] - low[1]
+        shared[i] = seen[row, column] > 0
+        if seen[row, column] == 1:
+            seen[row, column] = 2
+            count += 1
+    return shared, count
+
+
+@njit(cache=True, nogil=True)
+def _cells(positions: F32, members: I32, u: F64, v: F64, cell_m: float) -> NDArray[np.int64]:
+    """``(n, 2)`` cells of some surfels in the plane of two axes."""
+    cells = np.empty((len(members), 2), np.int64)
+    for i in range(len(members)):
+        along, across = 0.0, 0.0
+        for axis in range(3):
+            along += positions[members[i], axis] * u[axis]
+            across += positions[members[i], axis] * v[axis]
+        cells[i, 0], cells[i, 1] = np.int64(np.floor(along / cell_m)), np.int64(np.floor(across / cell_m))
+    return cells
 
 
 def _neighbour(
