@@ -9,13 +9,14 @@ from shapely import Polygon
 
 from enfilade.ingest.neighbours import find_neighbours
 from enfilade.ingest.openings import find_openings
+from enfilade.ingest.openings.behind import within_room
 from enfilade.ingest.openings.blind import above_floor, bounds_room, is_doorway
 from enfilade.ingest.openings.evidence import Walls
 from enfilade.ingest.openings.holes import Hole
 from enfilade.ingest.openings.leads import group_holes, known_by_plan
 from enfilade.ingest.openings.parameters import OpeningParameters
 from enfilade.ingest.openings.rays import rays_of
-from enfilade.ingest.records import Surfels
+from enfilade.ingest.records import Room, Surfels
 from enfilade.ingest.sides import Patch, Side, cut_by_room, join_patches
 
 
@@ -399,6 +400,28 @@ def test_a_wall_around_a_recess_bounds_the_room_though_the_outline_goes_into_the
     hole, surfels = upright_hole(4.0, (1.0, 0.9, 2.0, 2.0))
     outline = Polygon([(0, 0), (4, 0), (4, 1), (4.7, 1), (4.7, 2), (4, 2), (4, 4), (0, 4)])
     assert bounds_room(hole, outline, surfels)
+
+
+@pytest.mark.parametrize(
+    ("depth", "top", "pane", "within"),
+    [
+        (4.0, 2.5, 0.0, True),
+        (4.0, 2.1, 0.0, False),
+        (4.0, 2.5, 0.9, False),
+        (0.7, 2.5, 0.0, False),
+        (0.0, 2.5, 0.0, False),
+    ],
+)
+def test_the_mouth_of_an_arm_of_a_corridor_is_no_opening(
+    depth: float, top: float, pane: float, *, within: bool
+) -> None:
+    """Unless there is a lintel, or glass with a little of the room's plan behind; a recess is no arm."""
+    hole = replace(upright_hole(4.0, (1.0, 0.0, 2.0, top))[0], pane=pane)
+    arm = [(4, 1), (4 + depth, 1), (4 + depth, 2), (4, 2)] if depth else []
+    outline = np.array([(0, 0), (4, 0), *arm, (4, 4), (0, 4), (0, 0)], np.float64)
+    bounds = np.array([0.0, 0.0, 0.0, 4.0 + depth, 4.0, 2.5])
+    room = Room(0, 16.0 + depth, 0.0, 2.5, np.zeros(3), bounds, (outline,), 1000, (), 1.0, 0)
+    assert within_room(hole, room, OpeningParameters()) is within
 
 
 @pytest.mark.parametrize(("bottom", "cut"), [(0.9, 0.9), (0.0, 0.0), (-0.05, -0.05), (-1.5, 0.0)])

@@ -6,15 +6,36 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
+import shapely
 from shapely import Point, Polygon, STRtree, box
 
 from enfilade.ingest.openings.evidence import FACING
 from enfilade.ingest.openings.holes import Hole
+from enfilade.ingest.openings.parameters import OpeningParameters
 from enfilade.ingest.records import F64, Room
 from enfilade.ingest.sides import Side
 
 LEAST_GAP_M: Final = 0.02
 """Thinnest wall."""
+
+FURTHER_M: Final = (0.1, 0.3, 0.5)
+"""So far behind the thickest wall places are looked at ..."""
+
+LEAST_OWN: Final = 0.75
+"""... of which such a share is in the plan of a room that goes on there."""
+
+
+def within_room(hole: Hole, room: Room, parameters: OpeningParameters) -> bool:
+    """Whether a hole up to the ceiling, without glass, has its own room behind it: the mouth of a corridor's arm, say."""
+    ceiling = room.ceiling_elevation if room.ceiling_elevation is not None else room.bounds[5]
+    glazed = hole.pane >= parameters.least_pane
+    if glazed or not room.outline or hole.edges[3] < ceiling - parameters.min_lintel_m:
+        return False
+    across = np.linspace(hole.edges[0], hole.edges[2], 9)[1:-1]
+    front = np.array([hole.side.point(u, float(hole.centre[2]))[:2] for u in across])
+    places = [front - (parameters.max_gap_m + further) * hole.side.normal[:2] for further in FURTHER_M]
+    own = shapely.contains_xy(Polygon(room.outline[0], room.outline[1:]), np.concatenate(places))
+    return float(np.mean(own)) >= LEAST_OWN
 
 
 class Behind:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from functools import partial
 from itertools import chain
 
+from enfilade.ingest.openings.behind import within_room
 from enfilade.ingest.openings.blind import find_blind_holes, is_doorway, open_blind
 from enfilade.ingest.openings.contacts import contact_sides
 from enfilade.ingest.openings.evidence import Walls
@@ -56,7 +58,7 @@ def find_openings(
     looked_at = sorted([*walls, *floor_sides(known)], key=lambda side: side.room)
     reach = {"surface_m": chosen.surface_m, "front_m": chosen.front_m, "inset_m": chosen.max_inset_m}
     views = SideViews(rays, looked_at, surfels, **reach)
-    holes, blind = _all_holes(views, chosen)
+    holes, blind = (_bounding(found, known, chosen) for found in _all_holes(views, chosen))
     rays = told_by_sight(rays, surfels, views.unhindered)
     doors = group_holes([hole for hole in holes if hole.side.vertical], rays, known, chosen)
     backs = Walls(walls, surfels, chosen.max_gap_m)
@@ -85,6 +87,11 @@ def _all_holes(views: SideViews, parameters: OpeningParameters) -> tuple[list[Ho
 
     found = views.each(look)
     return [hole for holes, _ in found for hole in holes], [hole for _, blind in found for hole in blind]
+
+
+def _bounding(holes: Iterable[Hole], rooms: Mapping[int, Room], parameters: OpeningParameters) -> list[Hole]:
+    """Leave out holes that lie within their room."""
+    return [hole for hole in holes if hole.side.horizontal or not within_room(hole, rooms[hole.side.room], parameters)]
 
 
 def _order(opening: Opening) -> tuple[int, int, tuple[float, ...]]:
