@@ -87,7 +87,7 @@ def assemble_cloud(found: Findings) -> LabelledCloud:
         room,
         thing,
         _of_surfel(found.planes.surfel_plane, found.surfels.point_surfel),
-        found.cloud.scan,
+        found.cloud.scan if found.cloud.read_as is None else taken(found.cloud.read_as, found.cloud.scan),
         intensity=found.cloud.intensity,
         colour=found.cloud.colour,
     )

@@ -108,7 +108,7 @@ def ingest(
     surfels, planes = extend_planes(cloud, surfels, planes, parameters.sparse)
     _need(planes.bitmaps, files, "no walls, floors or ceilings")
     watch.start("groups")
-    given = read_grouping(rooms_csv, cloud.scan_names) if rooms_csv is not None else None
+    given = read_grouping(rooms_csv, cloud.scan_names, cloud.read_as) if rooms_csv is not None else None
     groups = group_scans(planes, cloud.scanner_positions, given, parameters.groups)
     labels, rooms = _rooms(cloud, surfels, planes, groups, parameters, watch)
     _need(rooms, files, "no room")

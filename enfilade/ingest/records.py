@@ -90,6 +90,8 @@ class ThinnedCloud:
         ``(N,) float32`` as the files have it, NaN where a scan has none; None where no scan has.
     colour
         ``(N, 3) uint8`` red, green, blue, black where a scan has none; None where no scan has.
+    read_as
+        ``(S,) int32`` the number of each scan in the order in which they were read; None where that is this order.
     """
 
     positions: F32
@@ -100,6 +102,7 @@ class ThinnedCloud:
     raw_count: int
     intensity: F32 | None = None
     colour: U8 | None = None
+    read_as: I32 | None = None
 
 
 @dataclass(frozen=True, slots=True)

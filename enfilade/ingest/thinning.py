@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -71,7 +72,7 @@ def thin(
 
     The points kept do not depend on the order of the scans, nor of the points in them. Memory follows the thinned
     cloud: chunks are put into one set of voxels while the next is read. A scan that is the copy of another is said
-    to be one, and is not there.
+    to be one, and is not there. Scans are numbered by their names: what is found does not depend on their order.
 
     Raises
     ------
@@ -91,15 +92,18 @@ def thin(
     kept = points.finish()
     _say_copies(register, progress)
     numbers, is_kept = _renumbered(register.original)
+    names = _names([key for key, keeps in zip(register.keys, is_kept, strict=True) if keeps])
+    by_name = np.array(sorted(range(len(names)), key=lambda scan: _natural(names[scan])), np.int32)
     return ThinnedCloud(
         kept.positions,
-        numbers[kept.scan],
-        register.scanners[is_kept].astype(np.float32),
-        _names([key for key, keeps in zip(register.keys, is_kept, strict=True) if keeps]),
+        np.argsort(by_name).astype(np.int32)[numbers][kept.scan],
+        register.scanners[is_kept][by_name].astype(np.float32),
+        tuple(names[scan] for scan in by_name),
         origin,
         sum(count for count, keeps in zip(register.raw, is_kept, strict=True) if keeps),
         kept.intensity,
         kept.colour,
+        by_name,
     )
 
 
@@ -154,3 +158,8 @@ def _names(keys: list[tuple[str, str]]) -> tuple[str, ...]:
     """Names of scans, with that of the file before it where several files have scans that are named alike."""
     count = Counter(name for _, name in keys)
     return tuple(name if count[name] == 1 else f"{source}/{name}" for source, name in keys)
+
+
+def _natural(name: str) -> list[str | int]:
+    """Key by which names are sorted as people do: Scan 9 before Scan 10."""
+    return [int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", name)]

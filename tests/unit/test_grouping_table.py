@@ -23,6 +23,10 @@ def test_scans_are_named_by_name_or_index(tmp_path: Path) -> None:
     assert given == {0: "a", 1: "b", 2: "a"}
 
 
+def test_indices_are_those_of_the_files_and_not_of_the_names(tmp_path: Path) -> None:
+    assert read_grouping(table(tmp_path, "scan,room\n1,a\n2,b\n"), NAMES, [2, 0, 1]) == {2: "a", 0: "b"}
+
+
 def test_a_byte_order_mark_is_no_part_of_the_header(tmp_path: Path) -> None:
     assert read_grouping(table(tmp_path, "\ufeffscan,room\n0,a\n"), NAMES) == {0: "a"}
 

@@ -46,8 +46,15 @@ def test_order_of_scans_and_points_changes_nothing(parts: list[np.ndarray], rand
     random.shuffle(shuffled)
     one, other = thin(shuffled), thin(scans)
     assert one.positions.tolist() == other.positions.tolist()
-    names = [[cloud.scan_names[index] for index in cloud.scan] for cloud in (one, other)]
-    assert names[0] == names[1]
+    assert one.scan_names == other.scan_names
+    assert one.scan.tolist() == other.scan.tolist()
+    assert one.scanner_positions.tolist() == other.scanner_positions.tolist()
+
+
+def test_scans_are_numbered_by_name_as_people_count() -> None:
+    cloud = thin([scan(np.full((1, 3), 0.1 * number), number) for number in (10, 9, 1)])
+    assert cloud.scan_names == ("scan 1", "scan 9", "scan 10")
+    assert cloud.read_as.tolist() == [2, 1, 0]
 
 
 def cut(whole: Scan, size: int) -> Scan:
