@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from box_scene import BoxScene
+from shapely import box
 
 from enfilade.descriptors import TOTAL, Layout
 from enfilade.ingest.objects import ObjectParameters, find_objects
@@ -12,10 +13,12 @@ from enfilade.ingest.objects.bays import area, cut_slits, hull_area, hull_of
 from enfilade.ingest.objects.combinations import combine, find_near
 from enfilade.ingest.objects.masks import Face, Mask
 from enfilade.ingest.objects.people import is_person
+from enfilade.ingest.objects.remains import Remains
 from enfilade.ingest.objects.segments import connect, without_outliers
 from enfilade.ingest.objects.sightlines import Suspect, find_ghosts
-from enfilade.ingest.objects.structure import in_openings
-from enfilade.ingest.records import Opening, Planes, Segment, Surfels, ThinnedCloud
+from enfilade.ingest.objects.stairs import Flight
+from enfilade.ingest.objects.structure import CeilingMap, find_structure, in_openings
+from enfilade.ingest.records import Opening, Planes, Room, Segment, Surfels, ThinnedCloud
 from enfilade.ingest.sides import Side
 
 LAYOUT = Layout()
@@ -534,3 +537,33 @@ def test_what_stands_in_a_passage_is_in_the_room_and_the_end_of_the_wall_is_not(
     places = np.array([[0.1, 0.0, 0.5], [0.1, 1.5, 0.5]])
     assert in_openings(places, [Opening("passage", *given)], ObjectParameters()).tolist() == [False, True]
     assert in_openings(places, [Opening("door", *given)], ObjectParameters()).tolist() == [True, True]
+
+
+def test_the_upper_treads_of_a_stair_are_no_ceiling():
+    """All that one sees of the stair are the undersides of its treads, the upper ones overhead and each a plane."""
+    scene = BoxScene()
+    scene.room(0, (0, 0, 0), (6, 4, 4.0))
+    for step in range(6):
+        x, under = 1.0 + 0.27 * step, 1.3 + 0.19 * step
+        scene.add(2, under, (x, 2.6), (x + 0.27, 3.6), -1, 0, plane=under > 1.9)
+    scene.scanners = [((1.2, 1.0, 1.6), 0), ((4.4, 1.4, 1.6), 0)]
+    _, surfels, planes, labels, rooms = scene.scan()
+    known = {room.number: room for room in rooms}
+    assert len(find_structure(surfels, planes, labels, known, ObjectParameters()).flights) == 1
+
+
+def test_a_railing_along_the_well_of_the_room_above_is_a_remain_and_a_picture_on_the_stairs_is_none():
+    treads = np.array([[0.27 * step, 0.5, 0.18 * (step + 1)] for step in range(15)])
+    flight = Flight(treads, box(0.0, 0.0, 4.0, 1.0))
+    y, z = (axis.ravel() for axis in np.meshgrid(np.arange(0.3, 0.9, 0.02), np.arange(2.75, 3.6, 0.02)))
+    post = np.column_stack([np.full(len(y), 0.02) + 0.3 * y, np.full(len(y), 1.05), z])
+
+    def is_remain(floor_m):
+        bounds = np.array([-3.0, -3.0, floor_m, 6.0, 6.0, floor_m + 2.5])
+        room = Room(0, 9.0, floor_m, floor_m + 2.5, np.zeros(3), bounds, (), 0, (), 1.0, 0)
+        ceiling = CeilingMap([], room, Surfels(*[np.zeros((0, 3), np.float32)] * 2, np.zeros(0, np.int32), np.zeros(0)))
+        remains = Remains(room, (), [flight], ceiling, ObjectParameters())
+        return remains.is_remain(post, np.full(len(post), np.inf))
+
+    assert is_remain(2.7)
+    assert not is_remain(1.2)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -169,14 +169,19 @@ class Remains:
         return bool(shapely.contains_xy(outline, points[:, 0], points[:, 1]).mean() >= 0.5)
 
     def _beside_stairs(self, points: F64) -> bool:
-        """Whether most of the points lie so close to a flight that they are its strings, rails and balusters."""
-        near: Iterable[Bool] = (
-            flight.near(
-                points, self.parameters.outline_reach_m, self.parameters.max_riser_m, self.parameters.handrail_m
-            )
-            for flight in self.flights
-        )
-        return any(float(found.mean()) > 0.5 for found in near)
+        """Whether most of the points lie so close to a flight that they are its strings, rails and balusters.
+
+        In the room that a flight leads up to, a railing stands along the well, all over the flight.
+        """
+        chosen = self.parameters
+        for flight in self.flights:
+            low, high = flight.treads[[0, -1], 2]
+            leads_here = abs(high - self.room.floor_elevation) < chosen.max_riser_m
+            above = chosen.handrail_m + (high - low if leads_here else 0.0)
+            near = flight.near(points, chosen.outline_reach_m, chosen.max_riser_m, above)
+            if (near & (points[:, 2] < high + chosen.handrail_m)).mean() > 0.5:
+                return True
+        return False
 
 
 def _axes(points: F64) -> F64:

@@ -75,7 +75,7 @@ def find_flights(surfels: Surfels, loose: Bool) -> list[Flight]:
     surfels
         All of them.
     loose
-        ``(M,) bool``, those on no wall, floor or ceiling.
+        ``(M,) bool``, those on no wall, floor or ceiling, but for floors and ceilings as small as treads.
 
     Returns
     -------

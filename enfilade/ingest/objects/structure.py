@@ -20,7 +20,7 @@ from scipy import ndimage
 from enfilade.ingest.objects.masks import CELL_M, Mask
 from enfilade.ingest.objects.parameters import ObjectParameters
 from enfilade.ingest.objects.relief import find_boards
-from enfilade.ingest.objects.stairs import Flight, find_flights
+from enfilade.ingest.objects.stairs import WIDTH_M, Flight, find_flights
 from enfilade.ingest.parallel import at_once
 from enfilade.ingest.records import F64, I32, Bool, Opening, Planes, Room, RoomLabels, Surfels
 from enfilade.ingest.sides import Patch, Side, axes, cut_by_room, join_patches
@@ -128,7 +128,15 @@ def find_structure(
         fixed[own] = False
         boards[own] = True
     fixed |= ~in_side & plane_fixed[planes.surfel_plane]
-    return Structure(fixed, boards, kept, ceilings, find_flights(surfels, ~fixed))
+    level = [side.surfels for sides in kept.values() for side in sides if side.horizontal and _may_be_tread(side)]
+    treads = ~fixed
+    treads[np.concatenate([np.zeros(0, dtype=np.int32), *level])] = True
+    return Structure(fixed, boards, kept, ceilings, find_flights(surfels, treads))
+
+
+def _may_be_tread(side: Side) -> bool:
+    """Whether a level side is as small as a tread: from below one of the upper ones looks like a ceiling."""
+    return bool(np.hypot(*(side.bounds[2:] - side.bounds[:2])) < WIDTH_M[1])
 
 
 def in_openings(points: F64, openings: Iterable[Opening], parameters: ObjectParameters) -> Bool:
