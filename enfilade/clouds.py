@@ -8,7 +8,9 @@ one room or object is one contiguous read.
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Sequence
+from collections import deque
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final, cast
@@ -29,6 +31,7 @@ _COLOUR: Final = tuple((channel, "u1") for channel in ("red", "green", "blue"))
 _PLY_NAMES: Final = {"<f8": "double", "<f4": "float", "<i4": "int", "u1": "uchar"}
 _SORTED: Final = "enfilade cloud, sorted by room, object"
 _CHUNK: Final = 1_000_000
+_AHEAD: Final = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +84,8 @@ def write_cloud(path: Path, cloud: LabelledCloud) -> None:
     try:
         with replacing(path) as file:
             file.write(_header(cloud))
-            for start in range(0, len(order), _CHUNK):
-                _vertices(cloud, order[start : start + _CHUNK]).tofile(file)
+            for vertices in _in_chunks(cloud, order):
+                vertices.tofile(file)
     except OSError as error:
         raise StoreError(f"{path} cannot be written: {error.strerror or error}.") from error
 
@@ -134,6 +137,18 @@ def _header(cloud: LabelledCloud) -> bytes:
     vertices = f"element vertex {len(cloud)}"
     lines = ["ply", "format binary_little_endian 1.0", f"comment {_SORTED}", vertices, *properties, "end_header"]
     return ("\n".join(lines) + "\n").encode("ascii")
+
+
+def _in_chunks(cloud: LabelledCloud, order: NDArray[np.intp]) -> Iterator[NDArray[np.void]]:
+    """Yield the points as PLY vertices; while one chunk is used, the next ones are made."""
+    with ThreadPoolExecutor(_AHEAD) as workers:
+        waiting: deque[Future[NDArray[np.void]]] = deque()
+        for start in range(0, len(order), _CHUNK):
+            waiting.append(workers.submit(_vertices, cloud, order[start : start + _CHUNK]))
+            if len(waiting) > _AHEAD:
+                yield waiting.popleft().result()
+        while waiting:
+            yield waiting.popleft().result()
 
 
 def _vertices(cloud: LabelledCloud, chosen: NDArray[np.intp]) -> NDArray[np.void]:
