@@ -27,7 +27,7 @@ def at_once(function: Callable[..., R], calls: Iterable[tuple[Any, ...]]) -> lis
     waiting = list(calls)
     if len(waiting) == 1:
         return [function(*waiting[0])]
-    with ThreadPoolExecutor(_processors()) as threads:
+    with ThreadPoolExecutor(processors()) as threads:
         runs = [threads.submit(function, *arguments) for arguments in waiting]
     return [run.result() for run in runs]
 
@@ -47,7 +47,7 @@ def in_slices(function: Callable[..., R], count: int, *arguments: Any) -> list[R
 
 def slices(count: int) -> list[tuple[int, int]]:
     """Return the first and past-last of the slices that make up ``range(count)``, some for each processor."""
-    number = min(-(-count // _LEAST), _SLICES_A_THREAD * _processors())
+    number = min(-(-count // _LEAST), _SLICES_A_THREAD * processors())
     return list(pairwise(count * k // number for k in range(number + 1))) if number else []
 
 
@@ -58,7 +58,8 @@ def taken(values: NDArray[T], index: Index) -> NDArray[T]:
     return found
 
 
-def _processors() -> int:
+def processors() -> int:
+    """Return how many processors this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 

@@ -1,21 +1,22 @@
 """A growing set of points, one a voxel, that points may be put into in any order (§8).
 
 Voxels are gathered in blocks of 2 x 2 x 2; a hash table of the blocks finds a voxel without sorting, and as a scanner
-measures neighbours one after the other, mostly in what the processor has at hand already.
+measures neighbours one after the other, mostly in what the processor has at hand already. Each thread has blocks, and a
+table, of its own.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final, TypeVar
+from typing import Any, Final, TypeVar
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .cells import Gathered
-from .parallel import taken
+from .parallel import at_once, in_slices, processors, taken
 from .records import F32, F64, I32, U8, Chunk
+from .sorting import sort_above
 
 T = TypeVar("T", bound=np.generic)
 I64 = NDArray[np.int64]
@@ -25,14 +26,18 @@ _BITS: Final = 20
 """Bits of a block's index along each axis."""
 _BELOW: Final = (1 << (3 * _BITS - 3)) - 1
 """All bits of a block's Morton number but the first of each axis."""
+_SORTABLE_BITS: Final = 63
 _HALF: Final = 1 << _BITS
 """Voxels from the origin to the end of the grid along each axis."""
 _SLOTS: Final = 8
-_EMPTY: Final = np.int64(-1)
-_FIRST_BLOCKS: Final = 1 << 16
-_FULLEST: Final = 0.6
-_GROWTH: Final = 1.5
+_FIRST_ROOM: Final = 1 << 22
+"""Blocks and points that there is room for at first; what is not written yet takes no memory."""
+_GROWTH: Final = 4
+_FIRST_PLACES: Final = 1 << 17
+"""Places of a table at first, a power of 2 from 64 on."""
+_FULLEST: Final = 0.625
 _STRIDE: Final = 65
+_OPTIONAL: Final = ("intensity", "colour")
 _SAME_M: Final = 1e-4
 """Points of two scans no farther apart than this along each axis are copies, but for rounding."""
 
@@ -68,19 +73,14 @@ class VoxelSet:
         Side of a voxel.
     origin
         ``(3,) float64``, taken off all positions.
+    shards
+        Threads that put points in at the same time; what is kept does not depend on it.
     """
 
-    def __init__(self, voxel_m: float, origin: F64) -> None:
+    def __init__(self, voxel_m: float, origin: F64, shards: int = processors()) -> None:
         self._voxel_m = voxel_m
         self._origin = origin
-        self._table = _empty_table(2 * _FIRST_BLOCKS)
-        self._blocks = np.zeros(_FIRST_BLOCKS, np.int64)
-        self._slots = np.zeros((_FIRST_BLOCKS, _SLOTS), np.int32)
-        self._positions = np.zeros((_FIRST_BLOCKS, 3), np.float32)
-        self._scan = np.zeros(_FIRST_BLOCKS, np.int32)
-        self._intensity = np.zeros(0, np.float32)
-        self._colour = np.zeros((0, 3), np.uint8)
-        self._used = np.zeros(2, np.int64)
+        self._shards = [_Shard() for _ in range(shards)]
 
     @property
     def reach_m(self) -> float:
@@ -102,9 +102,87 @@ class VoxelSet:
             ``(S,) int64``, counted on: the points that each scan has in the set, and those of them that another scan
             repeats.
         """
+        counts = np.zeros((len(self._shards), 2, len(scanners)), np.int64)
+        fixed = chunk, scan, scanners, self._origin, self._voxel_m
+        done = at_once(
+            _Shard.add, ((shard, (k, len(self._shards)), *fixed, *counts[k]) for k, shard in enumerate(self._shards))
+        )
+        held += counts[:, 0].sum(axis=0)
+        copies += counts[:, 1].sum(axis=0)
+        return all(done)
+
+    def finish(self) -> VoxelPoints:
+        """Return the points in the order of their voxels. The set is used up: what is done with is let go at once."""
+        order = self._order()
+        positions = self._column("positions", order)
+        scan = self._column("scan", order)
+        with_intensity, with_colour = (any(len(getattr(s, name)) for s in self._shards) for name in _OPTIONAL)
+        for shard in self._shards:
+            shard.make_columns(with_intensity, with_colour)
+        intensity = self._column("intensity", order) if with_intensity else None
+        colour = self._column("colour", order) if with_colour else None
+        return VoxelPoints(positions, scan, intensity, colour)
+
+    def _order(self) -> I32:
+        """Numbers of the points, shard after shard, in the order of their voxels; lets go of tables, blocks and slots."""
+        first_block = np.cumsum([0, *(shard.used[0] for shard in self._shards)])
+        first_point = np.cumsum([0, *(shard.used[1] for shard in self._shards)])
+        blocks = np.concatenate([shard.blocks[: shard.used[0]] for shard in self._shards])
+        for shard in self._shards:
+            shard.table, shard.blocks = np.zeros(0, np.int32), np.zeros(0, np.int64)
+        by_number = _in_order(blocks)
+        counts = np.empty(len(blocks), np.int32)
+        del blocks
+        for shard, first in zip(self._shards, first_block, strict=False):
+            in_slices(_count, int(shard.used[0]), counts[first:], shard.slots)
+        places = _places(by_number, counts)
+        del by_number
+        order = np.empty(first_point[-1], np.int32)
+        for shard, first, before in zip(self._shards, first_block, first_point, strict=False):
+            in_slices(_number, int(shard.used[0]), order, places[first:], shard.slots, before)
+            shard.slots = np.zeros((0, _SLOTS), np.int32)
+        return order
+
+    def _column(self, name: str, order: I32) -> Any:
+        """Return what the shards hold under a name, in order, and let go of theirs."""
+        whole = np.concatenate([getattr(shard, name)[: shard.used[1]] for shard in self._shards])
+        for shard in self._shards:
+            setattr(shard, name, whole[:0])
+        return taken(whole, order)
+
+
+class _Shard:
+    """The voxels of some of the blocks, a table that finds them, and their points.
+
+    Which shard a block belongs to is told by the cube of 8 x 8 x 8 blocks that it is in: a scanner's neighbours mostly
+    go into one shard, while each wall is spread over all.
+    """
+
+    def __init__(self) -> None:
+        self.table = np.zeros(_FIRST_PLACES, np.int32)
+        self.blocks = np.empty(_FIRST_ROOM, np.int64)
+        self.slots = np.empty((_FIRST_ROOM, _SLOTS), np.int32)
+        self.positions = np.empty((_FIRST_ROOM, 3), np.float32)
+        self.scan = np.empty(_FIRST_ROOM, np.int32)
+        self.intensity = np.zeros(0, np.float32)
+        self.colour = np.zeros((0, 3), np.uint8)
+        self.used = np.zeros(2, np.int64)
+
+    def add(
+        self,
+        share: tuple[int, int],
+        chunk: Chunk,
+        scan: int,
+        scanners: F64,
+        origin: F64,
+        voxel_m: float,
+        held: I64,
+        copies: I64,
+    ) -> bool:
+        """Put in the points of a chunk that belong to this shard, the first of `share`, of so many; else as the set."""
         intensity = np.zeros(0, np.float32) if chunk.intensity is None else chunk.intensity
         colour = np.zeros((0, 3), np.uint8) if chunk.colour is None else chunk.colour
-        self._make_columns(len(intensity) > 0, len(colour) > 0)
+        self.make_columns(len(intensity) > 0, len(colour) > 0)
         start = 0
         while start < len(chunk.positions):
             start = _add(
@@ -112,65 +190,53 @@ class VoxelSet:
                 intensity,
                 colour,
                 start,
+                share,
                 scan,
-                self._origin,
-                self._voxel_m,
+                origin,
+                voxel_m,
                 scanners,
                 held,
                 copies,
-                self._used,
-                (self._table, self._blocks, self._slots),
-                (self._positions, self._scan, self._intensity, self._colour),
+                self.used,
+                (self.table, self.blocks, self.slots),
+                (self.positions, self.scan, self.intensity, self.colour),
             )
             if start < 0:
                 return False
             self._grow()
         return True
 
-    def finish(self) -> VoxelPoints:
-        """Return the points in the order of their voxels. The set is used up: what is done with is let go at once."""
-        self._table = _empty_table(0)
-        order = _ordered(self._slots, _in_order(self._blocks[: self._used[0]]), int(self._used[1]))
-        self._slots = np.zeros((0, _SLOTS), np.int32)
-        self._positions = taken(self._positions, order)
-        self._scan = taken(self._scan, order)
-        intensity = taken(self._intensity, order) if len(self._intensity) else None
-        colour = taken(self._colour, order) if len(self._colour) else None
-        return VoxelPoints(self._positions, self._scan, intensity, colour)
-
-    def _make_columns(self, intensity: bool, colour: bool) -> None:
+    def make_columns(self, intensity: bool, colour: bool) -> None:
         """Begin to keep intensity or colour with the first chunk that has it."""
-        if intensity and not len(self._intensity):
-            self._intensity = np.full(len(self._scan), np.nan, np.float32)
-        if colour and not len(self._colour):
-            self._colour = np.zeros((len(self._scan), 3), np.uint8)
+        if intensity and not len(self.intensity):
+            self.intensity = np.empty(len(self.scan), np.float32)
+            self.intensity[: self.used[1]] = np.nan
+        if colour and not len(self.colour):
+            self.colour = np.empty((len(self.scan), 3), np.uint8)
+            self.colour[: self.used[1]] = 0
 
     def _grow(self) -> None:
-        """Make room where less than a tenth is free."""
-        blocks, points = self._used
-        if blocks > 0.9 * len(self._blocks):
-            if blocks > 0.8 * _FULLEST * len(self._table):
-                self._table = _empty_table(2 * len(self._table))
-                _fill(self._table, self._blocks[:blocks])
-            capacity = int(min(_GROWTH * len(self._blocks), _FULLEST * len(self._table)))
-            self._blocks = _grown(self._blocks, capacity)
-            self._slots = _grown(self._slots, capacity)
-        if points > 0.9 * len(self._scan):
-            capacity = int(_GROWTH * len(self._scan))
-            self._positions = _grown(self._positions, capacity)
-            self._scan = _grown(self._scan, capacity)
-            if len(self._intensity):
-                self._intensity = _grown(self._intensity, capacity)
-            if len(self._colour):
-                self._colour = _grown(self._colour, capacity)
+        """Make room where there is none."""
+        blocks, points = self.used
+        if blocks >= _FULLEST * len(self.table):
+            self.table = np.zeros(2 * len(self.table), np.int32)
+            _fill(self.table, self.blocks[:blocks])
+        if blocks == len(self.blocks):
+            self.blocks, self.slots = _grown(self.blocks), _grown(self.slots)
+        if points + _SLOTS > len(self.scan):
+            self.positions, self.scan = _grown(self.positions), _grown(self.scan)
+            if len(self.intensity):
+                self.intensity = _grown(self.intensity)
+            if len(self.colour):
+                self.colour = _grown(self.colour)
 
 
-def _grown(values: NDArray[T], capacity: int) -> NDArray[T]:
-    """Return an array with room for more rows; a new one, for NumPy asks for huge pages only then.
+def _grown(values: NDArray[T]) -> NDArray[T]:
+    """Return a full array with room for more rows; a new one, for NumPy asks for huge pages only then.
 
-    What is not written yet takes no memory. With small pages, half of the time goes into finding them.
+    With small pages, half of the time goes into finding them.
     """
-    grown = np.empty((capacity, *values.shape[1:]), values.dtype)
+    grown = np.empty((_GROWTH * len(values), *values.shape[1:]), values.dtype)
     grown[: len(values)] = values
     return grown
 
@@ -180,20 +246,37 @@ def _in_order(blocks: I64) -> I64:
 
     Near the origin all bits but the lowest few of an index are the first one turned round, and need no comparing.
     """
-    octant = blocks >> (3 * _BITS - 3)
-    turned = (7 ^ octant) * (_BELOW // 7)
-    bits = int(((blocks ^ turned) & _BELOW).max(initial=0)).bit_length()
-    return Gathered.by((octant << bits) | (blocks & ((1 << bits) - 1))).order
-
-
-def _empty_table(size: int) -> I64:
-    """Return a table of `size` (a power of 2) pairs of a block's key and its number."""
-    return np.full((size, 2), _EMPTY, np.int64)
+    index_bits = max(1, len(blocks) - 1).bit_length()
+    bits = max((part.bit_length() for part in in_slices(_differing, len(blocks), blocks)), default=0)
+    if 3 + bits + index_bits > _SORTABLE_BITS:
+        return np.argsort(blocks)
+    packed = np.empty(len(blocks), np.int64)
+    in_slices(_pack, len(blocks), packed, blocks, bits, index_bits)
+    packed = sort_above(packed, index_bits, 3 + bits)
+    packed &= (1 << index_bits) - 1
+    return packed
 
 
 @njit(cache=True, nogil=True)
-def _place_of(table: I64, block: int) -> int:
-    """Where a block is in the table, or where it belongs.
+def _differing(first: int, past: int, blocks: I64) -> int:
+    """Which bits of blocks `first` to `past` are not the first one of their axis turned round."""
+    bits = 0
+    for i in range(first, past):
+        bits |= (blocks[i] ^ ((7 ^ (blocks[i] >> (3 * _BITS - 3))) * (_BELOW // 7))) & _BELOW
+    return bits
+
+
+@njit(cache=True, nogil=True)
+def _pack(first: int, past: int, packed: I64, blocks: I64, bits: int, index_bits: int) -> None:
+    """Fill in what is sorted for blocks `first` to `past`: the first bit of each axis, the lowest bits, the index."""
+    for i in range(first, past):
+        octant = blocks[i] >> (3 * _BITS - 3)
+        packed[i] = ((octant << bits | blocks[i] & ((1 << bits) - 1)) << index_bits) | i
+
+
+@njit(cache=True, nogil=True)
+def _place_of(table: I32, blocks: I64, block: int) -> int:
+    """Where the number of a block, plus 1, is in the table, or where it belongs.
 
     The 64 blocks that differ in the last six bits only belong into one stretch of the table, in an order of its own,
     so that floors do not crowd the same places of all stretches; who finds a place taken goes to another stretch.
@@ -202,17 +285,22 @@ def _place_of(table: I64, block: int) -> int:
     mixed ^= mixed >> np.uint64(29)
     at = np.int64(((mixed << np.uint64(6)) | ((mixed >> np.uint64(40)) & np.uint64(63))) & np.uint64(len(table) - 1))
     at ^= block & 63
-    while table[at, 0] != block and table[at, 0] != -1:
+    while table[at] != 0 and blocks[table[at] - 1] != block:
         at = (at + _STRIDE) & (len(table) - 1)
     return int(at)
 
 
+@njit(cache=True, nogil=True, inline="always")
+def _share_of(block: int, shards: int) -> int:
+    """Which of so many shards a block belongs to, the same for the 512 blocks of a cube."""
+    mixed = (np.uint64(block >> 9) * np.uint64(0x9E3779B97F4A7C15)) >> np.uint64(32)
+    return int((mixed * np.uint64(shards)) >> np.uint64(32))
+
+
 @njit(cache=True, nogil=True)
-def _fill(table: I64, blocks: I64) -> None:
+def _fill(table: I32, blocks: I64) -> None:
     for number in range(len(blocks)):
-        at = _place_of(table, blocks[number])
-        table[at, 0] = blocks[number]
-        table[at, 1] = number
+        table[_place_of(table, blocks, blocks[number])] = number + 1
 
 
 @njit(cache=True, nogil=True)
@@ -227,29 +315,47 @@ def _spread(index: int) -> int:
 
 
 @njit(cache=True, nogil=True)
-def _ordered(slots: I32, blocks: I64, count: int) -> I32:
-    """Numbers of the points, block by block, in the order of the voxels in each."""
-    order = np.empty(count, np.int32)
-    filled = 0
-    for block in blocks:
-        for slot in range(8):
-            if slots[block, slot]:
-                order[filled] = slots[block, slot] - 1
-                filled += 1
-    return order
+def _count(first: int, past: int, counts: I32, slots: I32) -> None:
+    """Fill in how many points blocks `first` to `past` hold."""
+    for block in range(first, past):
+        counts[block] = 0
+        for slot in range(_SLOTS):
+            counts[block] += slots[block, slot] > 0
 
 
 @njit(cache=True, nogil=True)
-def _add(chunk, intensity, colour, start, scan, origin, voxel_m, scanners, held, copies, used, grid, points):  # type: ignore[no-untyped-def]
-    """Put points in from `start` on; returns where it stopped for want of room, or -1 at a point out of reach."""
+def _places(order: I64, counts: I32) -> I32:
+    """Place of the first point of each block, when blocks come in that order."""
+    places = np.empty(len(counts), np.int32)
+    filled = 0
+    for block in order:
+        places[block] = filled
+        filled += counts[block]
+    return places
+
+
+@njit(cache=True, nogil=True)
+def _number(first: int, past: int, order: I32, places: I32, slots: I32, before: int) -> None:
+    """Put the points of blocks `first` to `past` in their places, in the order of the voxels in each."""
+    for block in range(first, past):
+        place = places[block]
+        for slot in range(_SLOTS):
+            if slots[block, slot]:
+                order[place] = before + slots[block, slot] - 1
+                place += 1
+
+
+@njit(cache=True, nogil=True)
+def _add(chunk, intensity, colour, start, share, scan, origin, voxel_m, scanners, held, copies, used, grid, points):  # type: ignore[no-untyped-def]
+    """Put a shard's points in from `start` on; returns where it stopped for want of room, or -1 at one out of reach."""
     table, blocks, slots = grid
     positions, scan_of, intensity_of, colour_of = points
+    most = min(np.int64(_FULLEST * len(table)), len(blocks))
+    own, shards = share
     last, number = -1, 0
     here = np.empty(3, np.float32)
     cell = np.empty(3, np.int64)
     for i in range(start, len(chunk)):
-        if used[0] >= len(blocks) or used[1] >= len(scan_of):
-            return i
         for axis in range(3):
             here[axis] = np.float32(chunk[i, axis] - origin[axis])
             index = np.floor(np.float64(here[axis]) / voxel_m)
@@ -259,13 +365,17 @@ def _add(chunk, intensity, colour, start, scan, origin, voxel_m, scanners, held,
         block = (_spread(cell[0] >> 1) << 2) | (_spread(cell[1] >> 1) << 1) | _spread(cell[2] >> 1)
         slot = ((cell[0] & 1) << 2) | ((cell[1] & 1) << 1) | (cell[2] & 1)
         if block != last:
-            at = _place_of(table, block)
-            if table[at, 0] == -1:
-                table[at, 0], table[at, 1] = block, used[0]
+            if _share_of(block, shards) != own:
+                continue
+            if used[0] >= most or used[1] + _SLOTS > len(scan_of):
+                return i
+            at = _place_of(table, blocks, block)
+            if table[at] == 0:
                 blocks[used[0]] = block
                 slots[used[0]] = 0
                 used[0] += 1
-            last, number = block, table[at, 1]
+                table[at] = used[0]
+            last, number = block, table[at] - 1
         point = np.int64(slots[number, slot]) - 1
         if point < 0:
             point = used[1]
