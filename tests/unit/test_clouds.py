@@ -10,6 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from plyfile import PlyData, PlyElement
 
+from enfilade import clouds
 from enfilade.clouds import LABELS, LabelledCloud, read_cloud, read_object, read_room, write_cloud
 from enfilade.errors import InputError, StoreError
 
@@ -41,6 +42,30 @@ def test_what_was_written_comes_back_sorted_by_room_and_object(path, count, seed
     assert (np.diff(found.room * 100 + found.object) >= 0).all()
     assert found.positions.dtype == np.float64
     assert found.room.dtype == np.int32
+
+
+@pytest.mark.parametrize("chunk", [1, 7, 1000])
+def test_the_file_does_not_depend_on_its_chunks(path, monkeypatch, chunk):
+    cloud = measured(make_cloud(100))
+    write_cloud(path, cloud)
+    whole = path.read_bytes()
+    monkeypatch.setattr(clouds, "_CHUNK", chunk)
+    write_cloud(path, cloud)
+    assert path.read_bytes() == whole
+
+
+def test_where_the_points_cannot_be_written_the_older_file_stays(path, monkeypatch):
+    write_cloud(path, make_cloud(20))
+    before = path.read_bytes()
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(clouds, "_vertices", full)
+    with pytest.raises(StoreError, match="No space left"):
+        write_cloud(path, make_cloud(30))
+    assert path.read_bytes() == before
+    assert list(path.parent.iterdir()) == [path]
 
 
 def test_a_room_and_an_object_are_read_alone(path):
