@@ -100,6 +100,21 @@ def ingest(
     watch.start("read and thin")
     scans = read_scans(files, parameters.reading, positions=positions_csv, trajectory=trajectory, progress=watch)
     cloud = thin(scans, parameters.thinning, progress=watch)
+    tables = [table for table in (rooms_csv, positions_csv, *trajectory) if table is not None]
+    with ThreadPoolExecutor(1) as worker:  # the files are hashed meanwhile
+        made_from = worker.submit(provenance, files, tables, parameters)
+        found = _findings(cloud, files, rooms_csv, parameters, watch)
+        watch.start("graph")
+        labelled = assemble_cloud(found)
+    said = building if name is None else name
+    graph = assemble_graph(building, said, found, parameters.descriptors.shape, made_from.result())
+    return Ingested(graph, labelled, watch.stop())
+
+
+def _findings(
+    cloud: ThinnedCloud, files: Sequence[Path], rooms_csv: Path | None, parameters: Parameters, watch: Stopwatch
+) -> Findings:
+    """Find in the thinned cloud what the graph is made of."""
     watch.start("surfels")
     surfels = make_surfels(cloud, parameters.surfels)
     check_registration(cloud, surfels, parameters.registration, progress=watch)
@@ -121,15 +136,7 @@ def ingest(
     objects = find_objects(
         cloud, surfels, planes, labels, rooms, parameters.objects, parameters.descriptors, openings=openings
     )
-    watch.start("graph")
-    found = Findings(cloud, surfels, planes, labels, rooms, storeys, neighbours, openings, objects)
-    tables = [table for table in (rooms_csv, positions_csv, *trajectory) if table is not None]
-    with ThreadPoolExecutor(1) as worker:  # the files are hashed while the points are labelled
-        made_from = worker.submit(provenance, files, tables, parameters)
-        labelled = assemble_cloud(found)
-    said = building if name is None else name
-    graph = assemble_graph(building, said, found, parameters.descriptors.shape, made_from.result())
-    return Ingested(graph, labelled, watch.stop())
+    return Findings(cloud, surfels, planes, labels, rooms, storeys, neighbours, openings, objects)
 
 
 def _rooms(
