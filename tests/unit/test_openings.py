@@ -10,7 +10,7 @@ from shapely import Polygon
 from enfilade.ingest.neighbours import find_neighbours
 from enfilade.ingest.openings import find_openings
 from enfilade.ingest.openings.behind import within_room
-from enfilade.ingest.openings.blind import above_floor, bounds_room, is_doorway
+from enfilade.ingest.openings.blind import above_floor, above_hidden, bounds_room, is_doorway
 from enfilade.ingest.openings.evidence import Walls
 from enfilade.ingest.openings.holes import Hole
 from enfilade.ingest.openings.leads import group_holes, known_by_plan
@@ -429,6 +429,18 @@ def test_a_hole_ends_at_the_floor_of_its_room(bottom: float, cut: float) -> None
     hole = above_floor(upright_hole(4.0, (1.0, bottom, 2.0, 2.0))[0], 0.0)
     assert hole is not None
     assert hole.edges[1] == pytest.approx(cut)
+
+
+@pytest.mark.parametrize(
+    ("bottom", "lowest", "cut"), [(0.0, 0.85, 0.85), (0.0, 0.1, 0.0), (0.0, np.inf, 0.0), (0.9, 1.1, 0.9)]
+)
+def test_a_hole_begins_where_rays_begin_to_go_through_it(bottom: float, lowest: float, cut: float) -> None:
+    """A parapet that furniture hides has no points; a hole with a sill keeps it."""
+    hole = replace(upright_hole(4.0, (1.0, bottom, 2.0, 2.0))[0], lowest=lowest)
+    found = above_hidden(hole, 0.0, OpeningParameters())
+    assert found is not None
+    assert found.edges[1] == pytest.approx(cut)
+    assert found.bounded[1] == (cut == bottom)
 
 
 def test_a_hole_below_the_floor_is_none_of_the_room() -> None:

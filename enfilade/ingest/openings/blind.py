@@ -138,7 +138,7 @@ def open_blind(
     framed = [
         clipped
         for hole in found
-        if (clipped := above_floor(hole, rooms[hole.side.room].floor_elevation)) is not None
+        if (clipped := above_hidden(hole, rooms[hole.side.room].floor_elevation, parameters)) is not None
         and _framed(clipped, rooms[hole.side.room].floor_elevation, parameters)
         and bounds_room(clipped, plans.get(hole.side.room), surfels)
     ]
@@ -165,6 +165,19 @@ def above_floor(hole: Hole, floor: float) -> Hole | None:
     edges, bounded = hole.edges.copy(), hole.bounded.copy()
     edges[1], bounded[1] = floor, False
     return replace(hole, edges=edges, bounded=bounded)
+
+
+def above_hidden(hole: Hole, floor: float, parameters: OpeningParameters) -> Hole | None:
+    """Cut a hole off at the floor, or where rays begin to go through it: furniture hides the parapet of a window.
+
+    Rays go through an open door, and into the leaf of a closed one, lower than any sill.
+    """
+    cut = above_floor(hole, floor)
+    if cut is None or cut.edges[1] - floor >= FLOOR_M or not floor + parameters.min_sill_m < hole.lowest < cut.edges[3]:
+        return cut
+    edges, bounded = cut.edges.copy(), cut.bounded.copy()
+    edges[1], bounded[1] = hole.lowest, False
+    return replace(cut, edges=edges, bounded=bounded)
 
 
 def bounds_room(hole: Hole, plan: Polygon | None, surfels: Surfels) -> bool:

@@ -40,6 +40,9 @@ JAMB_M: Final = 0.04
 GAP_M: Final = 0.09
 """... as deep as they follow one another with no gap wider than this."""
 
+LOWEST: Final = 0.02
+"""Such a share of the rays through a hole may cross it below where the others begin: they are stray."""
+
 
 @dataclass(frozen=True, slots=True)
 class Hole:
@@ -66,6 +69,9 @@ class Hole:
         Shares of its inner part where rays end soon behind the wall, and where rays pass far beyond.
     reveal
         How deep its reveal was seen to be, metres: as thick as the wall, if nothing in the hole hides it.
+    lowest
+        Height along the axes of the side from which on rays go through: higher than its bottom where what stands before
+        the wall hides that; infinite where none do.
     """
 
     side: Side
@@ -81,6 +87,7 @@ class Hole:
     leaf: float = 0.0
     passed: float = 0.0
     reveal: float = 0.0
+    lowest: float = np.inf
 
     @property
     def width(self) -> float:
@@ -174,6 +181,7 @@ def measure_hole(
         leaf=leaf,
         passed=passed,
         reveal=_reveal(view, members, edges, parameters.max_gap_m),
+        lowest=float(np.quantile(view.crossing[members, 1], LOWEST)) if len(members) else np.inf,
     )
 
 
