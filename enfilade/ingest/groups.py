@@ -23,6 +23,12 @@ I64 = NDArray[np.int64]
 _LEVEL: Final = 0.7
 _OVERHEAD: Final = 0.25
 """What faces down by so much, even a steep roof, is overhead."""
+_SOFFIT: Final = 0.95
+"""What faces down by so much is level."""
+_ASIDE: Final = 8
+"""Directions in which a scanner may step aside."""
+_SAME_M: Final = 0.05
+_UP: Final = np.array([0.0, 0.0, 1.0], np.float32)
 _TRIPOD_M: Final = 2.5
 """Highest that a scanner stands over its floor."""
 
@@ -49,6 +55,12 @@ class GroupParameters:
         stood outside; if all do, none looked up.
     storey_gap_m
         Scanners more than this apart in height, with none between, are numbered as different storeys.
+    aside_m
+        How far a scanner that stood under the head of a door or window steps aside before it is lifted,
+    least_head_m
+        if the ceiling there is so much higher,
+    least_higher
+        and such a share of what it sees overhead.
     sight
         How views are compared.
     """
@@ -60,6 +72,9 @@ class GroupParameters:
     least_overlooked: float = 0.75
     least_roofed: float = 0.3
     storey_gap_m: float = 1.2
+    aside_m: float = 0.6
+    least_head_m: float = 0.15
+    least_higher: float = 0.25
     sight: SightParameters = field(default_factory=SightParameters)
 
 
@@ -82,9 +97,7 @@ def group_scans(
         not among them follows the nearest given scan of its automatic group, if there is one.
     """
     structure = Structure(planes)
-    lifted = scanner_positions.copy()
-    rise = _clearance(structure, planes, scanner_positions, 1.0) - parameters.below_ceiling_m
-    lifted[:, 2] += np.clip(rise, 0.0, parameters.headroom_m)
+    lifted = _lifted(structure, planes, scanner_positions, parameters)
     inside = _inside(structure, planes, scanner_positions, given or {}, parameters.least_roofed)
     scanners = scanner_positions[inside]
     views = compare_views(structure, planes, scanners, lifted[inside], parameters.sight)
@@ -96,6 +109,51 @@ def group_scans(
     scan_room[inside], votes[inside] = own, _votes(own, views, structure, lifted[inside], parameters)
     floors = (scanner_positions[:, 2] - _clearance(structure, planes, scanner_positions, -1.0)).astype(np.float32)
     return Groups(scan_room, lifted, floors, votes)
+
+
+def _lifted(structure: Structure, planes: Planes, scanners: F32, parameters: GroupParameters) -> F32:
+    """``(S, 3)`` the scanners lifted to just below the ceiling; those under the head of a door or window step aside first.
+
+    From under a head one looks through it as if it were none. They step to where fewest of the others look.
+    """
+    most = parameters.below_ceiling_m + parameters.headroom_m
+    clearance = np.minimum(_clearance(structure, planes, scanners, 1.0), most)
+    lifted = scanners + _UP * np.maximum(clearance - parameters.below_ceiling_m, 0.0)[:, None]
+    result = lifted.copy()
+    azimuth = 2.0 * np.pi * np.arange(_ASIDE) / _ASIDE
+    ring = np.stack([np.cos(azimuth), np.sin(azimuth), np.zeros(_ASIDE)], axis=1) * parameters.aside_m
+    for scan in _under_heads(structure, planes, scanners, clearance, parameters):
+        asked = (scanners[scan] + ring).astype(np.float32)
+        there = _clearance(structure, planes, asked, 1.0)
+        free = np.isfinite(there) & (there >= clearance[scan] + parameters.least_head_m)
+        free &= ~structure.blocked(np.broadcast_to(scanners[scan], asked.shape), asked)
+        if free.any():
+            raised = asked[free] + _UP * (np.minimum(there[free], most) - parameters.below_ceiling_m)[:, None]
+            near = np.linalg.norm(lifted - lifted[scan], axis=1) < parameters.sight.reach_m
+            near[scan] = False
+            result[scan] = raised[np.argmin(_lookers(structure, raised, lifted[near]))]
+    return result.astype(np.float32)
+
+
+def _lookers(structure: Structure, places: F32, viewpoints: F32) -> I64:
+    """``(n,)`` by how many of the viewpoints each place is overlooked."""
+    starts, ends = np.repeat(places, len(viewpoints), axis=0), np.tile(viewpoints, (len(places), 1))
+    return np.asarray((~structure.blocked(starts, ends)).reshape(len(places), -1).sum(axis=1), np.int64)
+
+
+def _under_heads(
+    structure: Structure, planes: Planes, scanners: F32, clearance: F32, parameters: GroupParameters
+) -> I64:
+    """Scans whose lowest ceiling is level, while a good part of what they see overhead is higher."""
+    hits, cone = _cone(structure, scanners, 1.0)
+    facing = -np.append(planes.normals[:, 2], 0.0)[hits.plane] * hits.front
+    height = hits.distance * np.tile(cone[:, 2], len(scanners))
+    level = np.where(facing > _SOFFIT, height, np.inf).reshape(len(scanners), -1).min(axis=1)
+    higher = np.where(facing > _LEVEL, height, -np.inf).reshape(len(scanners), -1)
+    above = (higher > clearance[:, None] + parameters.least_head_m).sum(axis=1)
+    share = above / np.maximum(np.isfinite(higher).sum(axis=1), 1)
+    low = level < np.minimum(clearance + _SAME_M, parameters.below_ceiling_m + parameters.headroom_m)
+    return np.flatnonzero(low & (share >= parameters.least_higher))
 
 
 def _inside(

@@ -99,6 +99,21 @@ def test_a_scan_under_a_low_ceiling_does_not_look_through_the_door_for_others() 
     assert building.groups.scan_room.tolist() == [1, 0]
 
 
+def test_a_scanner_in_a_doorway_is_of_the_room_that_no_other_looks_into() -> None:
+    """From under the head of the wide door it would look into both."""
+    door = Door(4.1, (0.4, 2.6), 2.1)
+    left = Box((0.0, 0.0, 0.0), (4.0, 3.0, 2.5), (1.5, 1.2, 1.5), "left")
+    right = Box((4.2, 0.0, 0.0), (8.0, 3.0, 2.5), (6.5, 1.8, 1.5), "right")
+    x, y = np.meshgrid(np.arange(4.0, 4.2, 0.01), np.arange(0.4, 2.6, 0.02))
+    soffit = np.stack([x, y, np.full_like(x, door.top)], axis=-1).reshape(-1, 3)
+    seen = [chunk.positions for box in (left, right) for chunk in scan(box, [box], door).chunks]
+    threshold = Scan.of_points("threshold", "boxes.e57", np.concatenate([*seen, soffit]), np.array([4.12, 1.5, 1.5]))
+    groups = build([scan(left, [left, right], door), threshold]).groups
+    assert groups.scan_room.tolist() == [0, 1]
+    assert groups.viewpoints[1, 0] > 4.5
+    assert groups.viewpoints[1, 2] == pytest.approx(2.35, abs=0.03)
+
+
 def test_a_room_far_along_a_corridor_is_not_joined_to_it_by_what_is_seen_at_a_slant() -> None:
     corridor = Box((0.0, 0.0, 0.0), (1.6, 16.0, 2.5), (0.6, 2.0, 1.5), "corridor")
     room = Box((1.75, 11.0, 0.0), (5.5, 15.0, 2.5), (3.6, 13.6, 1.5), "room")
