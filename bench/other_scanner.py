@@ -3,8 +3,10 @@
 ``python bench/other_scanner.py FOLDER MODEL.ifc...`` works in FOLDER. What is good on one's own simulator may be good
 on it alone. This scanner shares nothing with it: rays in random directions rather than a grid, one to a few positions
 at random places of each space, whether or not there is a good view, no door leaves nor frames, glass opaque or not
-there at all, files without rows and columns. Only the truth is taken over: each point has the labels of the nearest
-point of `enfilade simulate`, none where none is within 15 cm.
+there at all, files without rows and columns. With ``--regular`` it is of another kind again: a grid of equal angles,
+from the middle of each space and, in larger ones, from places as far from each other as can be; use another FOLDER
+for it. Only the truth is taken over: each point has the labels of the nearest point of `enfilade simulate`, none where
+none is within 15 cm.
 """
 
 from __future__ import annotations
@@ -31,6 +33,9 @@ from enfilade.native import open3d
 
 F64 = NDArray[np.float64]
 
+EYE_M: Final = 1.6
+FREE_PLACES: Final = 60
+"""Of a space, of which regular scans stand at some."""
 LABEL_WITHIN_M: Final = 0.15
 LEFT_OUT: Final = ("IfcOpeningElement", "IfcDoor", "IfcAnnotation", "IfcGrid")
 LOWEST: Final = -np.sin(np.radians(60.0))
@@ -91,10 +96,38 @@ def positions(model: Model, area_a_scan_m2: float, random: np.random.Generator) 
                 break
 
 
-def scan_from(model: Model, place: F64, rays: int, noise_m: float, random: np.random.Generator) -> F64:
-    """Return ``(n, 3)`` what a scanner at a place measures, relative to it."""
+def regular_positions(model: Model, area_a_scan_m2: float, random: np.random.Generator) -> Iterator[F64]:
+    """Yield the place nearest the middle of each space, and as many as its size asks for far from those before."""
+    for vertices, triangles in model.spaces:
+        low, high = vertices.min(axis=0), vertices.max(axis=0)
+        alone = Model(model.scene, ((vertices, triangles),))
+        free = np.array(list(positions(alone, float(np.prod((high - low)[:2])) / FREE_PLACES, random)))
+        if not len(free):
+            continue
+        free[:, 2] = low[2] + EYE_M
+        chosen = [int(np.argmin(np.linalg.norm(free - (low + high) / 2.0, axis=1)))]
+        while len(chosen) < round(float(np.prod((high - low)[:2])) / area_a_scan_m2):
+            apart = np.linalg.norm(free[:, None] - free[chosen], axis=2).min(axis=1)
+            chosen.append(int(np.argmax(apart)))
+        yield from free[chosen]
+
+
+def random_directions(rays: int, random: np.random.Generator) -> F64:
+    """Return ``(rays, 3)`` directions that are equally likely all over the sphere."""
     directions = random.normal(size=(rays, 3))
-    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    return np.asarray(directions / np.linalg.norm(directions, axis=1, keepdims=True))
+
+
+def regular_directions(rays: int) -> F64:
+    """Return about `rays` directions in rows and columns of equal angles."""
+    step = np.pi * np.sqrt(2.0 / rays)
+    azimuth, elevation = np.meshgrid(np.arange(0.0, 2.0 * np.pi, step), np.arange(-np.pi / 2.0, np.pi / 2.0, step))
+    level = np.cos(elevation)
+    return np.stack([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(elevation)], axis=-1).reshape(-1, 3)
+
+
+def scan_from(model: Model, place: F64, directions: F64, noise_m: float, random: np.random.Generator) -> F64:
+    """Return ``(n, 3)`` what a scanner at a place measures, relative to it."""
     directions = directions[directions[:, 2] > LOWEST]
     cast = np.concatenate([np.broadcast_to(place, directions.shape), directions], axis=1).astype(np.float32)
     distance = model.scene.cast_rays(cast)["t_hit"].numpy().astype(np.float64)
@@ -103,12 +136,15 @@ def scan_from(model: Model, place: F64, rays: int, noise_m: float, random: np.ra
     return np.asarray(directions[back] * measured[:, None])
 
 
-def write_scans(path: Path, model: Model, *, rays: int, area_a_scan_m2: float, noise_m: float, seed: int) -> None:
+def write_scans(
+    path: Path, model: Model, *, rays: int, area_a_scan_m2: float, noise_m: float, seed: int, regular: bool
+) -> None:
     """Write one E57 with a scan, turned by chance, from each position."""
     random = np.random.default_rng(seed)
     file = pye57.E57(str(path), mode="w")
-    for place in positions(model, area_a_scan_m2, random):
-        points, turn = scan_from(model, place, rays, noise_m, random), random.uniform(0.0, 2.0 * np.pi)
+    for place in (regular_positions if regular else positions)(model, area_a_scan_m2, random):
+        directions = regular_directions(rays) if regular else random_directions(rays, random)
+        points, turn = scan_from(model, place, directions, noise_m, random), random.uniform(0.0, 2.0 * np.pi)
         back = np.array([[np.cos(turn), -np.sin(turn), 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]])
         columns = dict(
             zip(("cartesianX", "cartesianY", "cartesianZ"), np.ascontiguousarray((points @ back).T), strict=True)
@@ -154,6 +190,7 @@ if __name__ == "__main__":
         "--area", type=float, default=15.0, help="of the box around a space for which there is one scan, m2"
     )
     parser.add_argument("--noise", type=float, default=0.003, help="standard deviation of ranges, m")
+    parser.add_argument("--regular", action="store_true", help="equal angles, from the middle of spaces")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
@@ -162,6 +199,7 @@ if __name__ == "__main__":
         "area_a_scan_m2": options.area,
         "noise_m": options.noise,
         "seed": options.seed,
+        "regular": options.regular,
     }
     records = {
         f"{path.stem}, glass {'opaque' if glass else 'left out'}": evaluated(
