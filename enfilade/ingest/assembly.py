@@ -211,7 +211,9 @@ def _add_objects(graph: BuildingGraph, objects: Objects, origin: NDArray[np.floa
     for combination in objects.combinations:
         if len(combination.segments) > 1:
             for segment in combination.segments:
-                graph.add_edge(object_id(graph.building, segment), "PART_OF", object_id(graph.building, *combination.segments))
+                graph.add_edge(
+                    object_id(graph.building, segment), "PART_OF", object_id(graph.building, *combination.segments)
+                )
     for a, b, distance in objects.near:
         graph.add_edge(object_id(graph.building, a), "NEAR", object_id(graph.building, b), distance=distance)
 

@@ -77,7 +77,7 @@ class CellGrid:
 
 
 def extent(positions: F32 | F64) -> tuple[F64, F64]:
-    """Least and greatest coordinates ``(k,) float64`` of ``(n, k)`` positions; by the axis, which is ten times faster."""
+    """Least and greatest coordinates ``(k,) float64`` of ``(n, k)`` positions; by axis, ten times as fast."""
     columns = [(column.min(), column.max()) for column in positions.T]
     low, high = np.array(columns, np.float64).T
     return low, high
@@ -100,9 +100,7 @@ def tile_rectangles(cells: Bool) -> I64:
 
 
 @njit(cache=True, nogil=True)
-def _add_cells(
-    first: int, past: int, keys: I64, positions: F32, lowest: I64, shape: I64, cell_m: float
-) -> None:
+def _add_cells(first: int, past: int, keys: I64, positions: F32, lowest: I64, shape: I64, cell_m: float) -> None:
     """Put the cell of positions `first` to `past` behind what their keys hold already."""
     for i in range(first, past):
         for axis in range(3):
@@ -186,7 +184,7 @@ def _bounds(packed: I64, bits: int) -> I64:
 
 
 def members_of(numbers: I32, count: int) -> list[I64]:
-    """Return, for each number from 0 to `count` - 1, where it stands in ``(n,) int32`` numbers, in order; -1 is left out."""
+    """Return, for each number from 0 to `count` - 1, where it stands in ``(n,) int32`` numbers; -1 is left out."""
     order, bounds = _by_number(numbers, count)
     return np.split(order, bounds[1:-1]) if count else []
 

@@ -35,9 +35,7 @@ def fans(first: int, past: int, count: int, members: I64, bounds: I64, starts: F
 
 
 @njit(cache=True, nogil=True)
-def _fill(
-    rays: F32, first: int, past: int, count: int, members: I64, bounds: I64, starts: F32, normals: F32
-) -> None:
+def _fill(rays: F32, first: int, past: int, count: int, members: I64, bounds: I64, starts: F32, normals: F32) -> None:
     """Fill in a Fibonacci lattice a place, turned and shifted in height by low-discrepancy amounts."""
     direction = np.empty(3)
     at = 0

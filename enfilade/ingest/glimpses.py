@@ -48,14 +48,14 @@ class GlimpseParameters:
         Shares of its floor that have something above, of which a scanner on the other side of the door sees little,
         and that have a wall behind.
     headroom_m, most_low
-        At most such a share of it may have less than so much height above: the space under a flight of stairs is no room.
+        At most such a share may have less than so much height above: the space under a flight of stairs is no room.
     least_in_sight, step_m, storey_m
         What lies under a roof, in the sight of its scanners to such a share, is no other room; it is of theirs if it
         lies no deeper below their floor than the one, and of another storey from the other on.
     link_m
         Floor closer than this in plan with no wall between is of one room.
     level_m, least_between_m2
-        Floor between those of other rooms, and farther than that from any, is a landing of stairs unless it is so large.
+        Floor between those of other rooms and farther than that from any is a landing of stairs unless so large.
     least_links
         So many cells of floor beside a room's own, with no wall between, are of that room.
     fragment_m
@@ -178,10 +178,10 @@ def _known_floor(
     """
     upward = np.append(planes.horizontal & (planes.normals[:, 2] > 0.0), False)[planes.surfel_plane]
     members = []
-    for plan, own in zip(plans, members_of(np.where(upward, labels.after, -1), len(plans)), strict=True):
+    for plan, upper in zip(plans, members_of(np.where(upward, labels.after, -1), len(plans)), strict=True):
         outline = shapely.Polygon(plan.outline[0])
         shapely.prepare(outline)
-        own = own[surfels.positions[own, 2] < plan.floor_elevation + furniture_m]
+        own = upper[surfels.positions[upper, 2] < plan.floor_elevation + furniture_m]
         members.append(own[shapely.contains_xy(outline, *surfels.positions[own, :2].T.astype(np.float64))])
     return np.concatenate([np.zeros(0, np.int64), *members])
 
@@ -197,12 +197,12 @@ def _one_a_cell(surfels: Surfels, planes: Planes, chosen: I64, cell_m: float) ->
 
 def _means(places: F32, component: I32) -> F64:
     size = np.bincount(component)
-    return np.stack([np.bincount(component, places[:, axis]) for axis in range(3)], axis=1) / np.maximum(size, 1)[:, None]
+    return (
+        np.stack([np.bincount(component, places[:, axis]) for axis in range(3)], axis=1) / np.maximum(size, 1)[:, None]
+    )
 
 
-def _signs(
-    places: F32, scanners: F32, structure: Structure, planes: Planes, parameters: GlimpseParameters
-) -> _Signs:
+def _signs(places: F32, scanners: F32, structure: Structure, planes: Planes, parameters: GlimpseParameters) -> _Signs:
     above = structure.cast(places + _LIFT_M * _UP, np.repeat(_UP, len(places), axis=0)).distance
     in_sight = ~structure.blocked(places + _LIFT_M * _UP, scanners)
     walled = _walled(places, scanners, structure, planes, parameters)
@@ -234,9 +234,7 @@ def _landings(places: F32, component: I32, plans: Sequence[Plan], parameters: Gl
     return np.asarray(between & (np.bincount(component) * parameters.cell_m**2 < parameters.least_between_m2))
 
 
-def _open_to_scanners(
-    places: F32, component: I32, floors: F64, signs: _Signs, parameters: GlimpseParameters
-) -> Bool:
+def _open_to_scanners(places: F32, component: I32, floors: F64, signs: _Signs, parameters: GlimpseParameters) -> Bool:
     """Components of places that are inside and seen over no threshold by scanners over `floors`, one for each place.
 
     Such are landings, the space under a flight, the foot of a slope. What lies far below its scanner's floor is of
@@ -297,9 +295,7 @@ def _adjoining(
     other = np.asarray(nearest[1])[place]
     eye = parameters.eye_m * _UP
     free = ~structure.blocked(places[place] + eye, known[other] + eye)
-    pairs, count = np.unique(
-        np.stack([component[place[free]], known_room[other[free]]]), axis=1, return_counts=True
-    )
+    pairs, count = np.unique(np.stack([component[place[free]], known_room[other[free]]]), axis=1, return_counts=True)
     for at in np.argsort(count, kind="stable"):
         if count[at] >= parameters.least_links:
             room[pairs[0, at]] = pairs[1, at]
@@ -363,9 +359,7 @@ def _linked(places: F32, structure: Structure, reach_m: float, parameters: Glimp
     return np.asarray(sparse.csgraph.connected_components(links, directed=False)[1], np.int32)
 
 
-def _walled(
-    places: F32, scanners: F32, structure: Structure, planes: Planes, parameters: GlimpseParameters
-) -> Bool:
+def _walled(places: F32, scanners: F32, structure: Structure, planes: Planes, parameters: GlimpseParameters) -> Bool:
     """``(n,)``: behind which places, seen from their scanners, there is a wall."""
     onwards = (places - scanners) * np.array([1.0, 1.0, 0.0], np.float32)
     onwards /= np.maximum(np.linalg.norm(onwards, axis=1, keepdims=True), 1e-6)

@@ -13,7 +13,9 @@ from enfilade.ingest.records import I32
 HEADER: Final = ("scan", "room")
 
 
-def read_grouping(path: Path, scan_names: tuple[str, ...], read_as: Sequence[int] | I32 | None = None) -> dict[int, str]:
+def read_grouping(
+    path: Path, scan_names: tuple[str, ...], read_as: Sequence[int] | I32 | None = None
+) -> dict[int, str]:
     """Read a grouping table: the room that it gives to each scan; a scan is named by name or index.
 
     Parameters

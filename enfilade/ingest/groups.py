@@ -112,7 +112,7 @@ def group_scans(
 
 
 def _lifted(structure: Structure, planes: Planes, scanners: F32, parameters: GroupParameters) -> F32:
-    """``(S, 3)`` the scanners lifted to just below the ceiling; those under the head of a door or window step aside first.
+    """Lift scanners to just below the ceiling, ``(S, 3)``; from under a head of a door or window they step aside first.
 
     From under a head one looks through it as if it were none. They step to where fewest of the others look.
     """
@@ -144,7 +144,7 @@ def _lookers(structure: Structure, places: F32, viewpoints: F32) -> I64:
 def _under_heads(
     structure: Structure, planes: Planes, scanners: F32, clearance: F32, parameters: GroupParameters
 ) -> I64:
-    """Scans whose lowest ceiling is level, while a good part of what they see overhead is higher."""
+    """Find scans whose lowest ceiling is level, while a good part of what they see overhead is higher."""
     hits, cone = _cone(structure, scanners, 1.0)
     facing = -np.append(planes.normals[:, 2], 0.0)[hits.plane] * hits.front
     height = hits.distance * np.tile(cone[:, 2], len(scanners))
@@ -156,10 +156,8 @@ def _under_heads(
     return np.flatnonzero(low & (share >= parameters.least_higher))
 
 
-def _inside(
-    structure: Structure, planes: Planes, scanners: F32, given: Mapping[int, str], least_roofed: float
-) -> I64:
-    """Scans under a roof, or in a room that the user named; all scans where none is under a roof."""
+def _inside(structure: Structure, planes: Planes, scanners: F32, given: Mapping[int, str], least_roofed: float) -> I64:
+    """Find scans under a roof, or in a room that the user named; all scans where none is under a roof."""
     hits, cone = _cone(structure, scanners, 1.0)
     roof = hits.front & (np.append(planes.normals[:, 2], 0.0)[hits.plane] < -_OVERHEAD)
     roofed = roof.reshape(-1, len(cone)).mean(axis=1) >= least_roofed
@@ -208,9 +206,9 @@ def _votes(scan_room: I32, views: Views, structure: Structure, lifted: F32, para
 def _clearance(structure: Structure, planes: Planes, scanners: F32, sign: float) -> F32:
     """``(S,)`` metres up (`sign` 1) to the ceiling or down (-1) to the floor, infinite where there is none.
 
-    It is the lower quartile of the level faces that rays in three or four cones meet, so that a skylight over the scanner or
-    a stair well under it is not taken for the whole ceiling or floor. Where a scanner on a landing sees little of it,
-    more of the floors below, it stands on what lies no deeper than a tripod is high.
+    It is the lower quartile of the level faces that rays in three or four cones meet, so that a skylight over the
+    scanner or a stair well under it is not taken for the whole ceiling or floor. Where a scanner on a landing sees
+    little of it, more of the floors below, it stands on what lies no deeper than a tripod is high.
     """
     hits, cone = _cone(structure, scanners, sign)
     directions = np.tile(cone, (len(scanners), 1))
@@ -226,7 +224,7 @@ def _clearance(structure: Structure, planes: Planes, scanners: F32, sign: float)
 
 
 def _cone(structure: Structure, scanners: F32, sign: float) -> tuple[Hits, F32]:
-    """What rays in cones up or down from each scanner meet, one scanner after the other, and their directions ``(n, 3)``.
+    """Cast rays in cones up or down from each scanner, one after the other; return what they meet and one's ``(n, 3)``.
 
     Down there is one cone more, which meets a narrow landing beyond what the tripod hides.
     """

@@ -182,7 +182,11 @@ def _cells(positions: F32, members: I32, u: F64, v: F64, cell_m: float) -> NDArr
 
 
 def _neighbour(
-    rooms: tuple[Room, Room], contacts: list[_Contact], border: Border | None, plans: Mapping[int, Polygon], least: float
+    rooms: tuple[Room, Room],
+    contacts: list[_Contact],
+    border: Border | None,
+    plans: Mapping[int, Polygon],
+    least: float,
 ) -> Neighbour | None:
     """Make an edge of what planes and plans say of two rooms; None where that is less than the least area."""
     if border is not None:

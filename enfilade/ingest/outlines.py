@@ -204,7 +204,10 @@ def _draw_bridges(bridges: Bool, near: Bool, centre: F64, along: F64, span: F64,
             step = way * along[face]
             place, opened = first - slack, -np.inf
             while place <= last + reach:
-                i, j = int(np.floor(centre[face, 0] + place * step[0])), int(np.floor(centre[face, 1] + place * step[1]))
+                i, j = (
+                    int(np.floor(centre[face, 0] + place * step[0])),
+                    int(np.floor(centre[face, 1] + place * step[1])),
+                )
                 if i < 0 or j < 0 or i >= near.shape[0] or j >= near.shape[1]:
                     if place > last:
                         break
@@ -250,8 +253,12 @@ def _up_to_faces(
 
 @njit(cache=True, nogil=True)
 def _around(pieces: I32, bridges: Bool, walled: Bool, count: int) -> tuple[I64, I64, I64]:
-    """Sides of cells at the rim of each piece where no bridge ends it, how many of them are at walls, and the others."""
-    rim, at_wall, at_bridge = np.zeros(count + 1, np.int64), np.zeros(count + 1, np.int64), np.zeros(count + 1, np.int64)
+    """Count sides of cells at the rim of each piece where no bridge ends it: those at walls, and the others."""
+    rim, at_wall, at_bridge = (
+        np.zeros(count + 1, np.int64),
+        np.zeros(count + 1, np.int64),
+        np.zeros(count + 1, np.int64),
+    )
     for i in range(1, pieces.shape[0] - 1):
         for j in range(1, pieces.shape[1] - 1):
             piece = pieces[i, j]

@@ -14,8 +14,8 @@ from enfilade.progress import Progress, Silent
 from enfilade.schema.graph import BuildingGraph
 
 from .assembly import Findings, assemble_cloud, assemble_graph
-from .grouping_table import read_grouping
 from .glimpses import add_glimpsed_rooms
+from .grouping_table import read_grouping
 from .groups import group_scans
 from .inside import keep_inside
 from .measures import measure_rooms

@@ -179,7 +179,7 @@ def _roofed(surfels: Surfels, planes: Planes) -> Bool:
 
 
 def _slopes(surfels: Surfels, planes: Planes) -> Bool:
-    """``(M,)``: surfels of sloped ceilings, which have nothing over them, as the underside of a flight of stairs has."""
+    """``(M,)``: surfels of sloped ceilings; these have nothing over them, as undersides of stairs have."""
     large = np.array([(bitmap.occupancy > OCCUPIED).sum() * bitmap.cell_m**2 for bitmap in planes.bitmaps])
     sloped = ~planes.horizontal & ~planes.vertical & (planes.normals[:, 2] < 0.0) & (large >= _LEAST_SLOPE_M2)
     sloped = _on(sloped, planes.surfel_plane)
@@ -212,7 +212,7 @@ def _below_ceiling(planes: Planes, parts: _Parts, ceiling: float | None) -> F32:
 def _outline(
     planes: Planes, parts: _Parts, floor: int, ceiling: float | None, parameters: RoomPlanParameters
 ) -> Outline:
-    """Outline by ceiling, roofed floor and what is seen just under the ceiling, or by the floor where that tells little.
+    """Outline by ceiling, roofed floor and what is seen under the ceiling, or by the floor where that tells little.
 
     So neither furniture hides a part of the room nor is the ground taken for it that a window shows.
     """

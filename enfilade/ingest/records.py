@@ -6,8 +6,7 @@ are metres relative to the building's origin. Index arrays use -1 for "none".
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -253,7 +252,7 @@ class Plan:
 class Room:
     """What was measured of one room; lengths in metres, relative to the origin.
 
-    `outline` holds rings as ``(K, 2) float64`` arrays, the outer one first; `scan_positions` is ``(S, 3) float64``, where
+    `outline` holds rings as ``(K, 2) float64`` arrays, outer one first; `scan_positions` is ``(S, 3) float64``, where
     the scanners of `scans` stood.
     """
 

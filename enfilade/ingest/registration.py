@@ -120,19 +120,21 @@ def _near_pairs(scanners: F32, neighbours: int) -> I64:
 
 
 def _with_a_suspect(pairs: I64, share: F64, is_off: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Leave those pairs off of which one scan is off with most that it is compared with; glass makes single pairs so."""
+    """Leave the pairs off of which one scan is off with most that it is compared with; glass makes single ones so."""
     count = int(pairs.max()) + 1
     compared = np.bincount(pairs[~np.isnan(share)].ravel(), minlength=count)
     is_suspect = np.bincount(pairs[is_off].ravel(), minlength=count) > 0.5 * compared
     return np.asarray(is_off & is_suspect[pairs].any(axis=1))
 
 
-def _tell_unregistered(cloud: ThinnedCloud, pairs: I64, share: F64, is_off: NDArray[np.bool_], progress: Progress) -> None:
+def _tell_unregistered(
+    cloud: ThinnedCloud, pairs: I64, share: F64, is_off: NDArray[np.bool_], progress: Progress
+) -> None:
     worst = int(np.argmax(np.where(is_off, share, 0.0)))
     a, b = (cloud.scan_names[scan] for scan in pairs[worst])
     said = (
-        f"scans {a!r} and {b!r} do not fit together: {100.0 * share[worst]:.0f} % of what one sees stands in the way of "
-        "the other's rays"
+        f"scans {a!r} and {b!r} do not fit together: {100.0 * share[worst]:.0f} % of what one sees stands in the way "
+        "of the other's rays"
     )
     if np.count_nonzero(is_off) > 0.5 * np.count_nonzero(~np.isnan(share)):
         raise InputError(f"the scans are not registered: {said}; export them registered, with their positions")
@@ -242,7 +244,7 @@ def _patches(surfels: Surfels, cell_m: float) -> _Patches:
 
 
 def _met(place: I64) -> tuple[I64, I64]:
-    """Patches of two scans in one place, as two lists, the smaller scan first; of many scans each meets the next few."""
+    """Pair patches of scans in one place, as two lists, the smaller scan first; of many each meets the next few."""
     first, second = [], []
     for step in range(1, _MET + 1):
         (same,) = np.nonzero(place[step:] == place[:-step])

@@ -212,9 +212,7 @@ def trace_transitions(
         hits = structure.cast(rays[:, :3], rays[:, 3:])
         hit = np.flatnonzero(hits.front)
         points = rays[hit, :3] + hits.distance[hit, None] * rays[hit, 3:]
-        target = node_at[
-            _cell_keys(points, hits.plane[hit], planes, nodes.first_key, nodes.columns, parameters.node_m)
-        ]
+        target = node_at[_cell_keys(points, hits.plane[hit], planes, nodes.first_key, nodes.columns, parameters.node_m)]
         known = target >= 0
         rows.append((first + hit[known] // count).astype(np.int32))
         columns.append(target[known])

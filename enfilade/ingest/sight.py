@@ -91,7 +91,7 @@ class Views:
 
 @dataclass(frozen=True, slots=True)
 class _Lines:
-    """Lines between places of two scans, ``(n, ...)``: ends, what stops them, how thick it is straight across (0: nothing)."""
+    """Lines between places of two scans, ``(n, ...)``: ends, what stops them, and how thick that is (0: nothing)."""
 
     starts: F32
     ends: F32

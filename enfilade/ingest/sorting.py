@@ -13,7 +13,7 @@ from .parallel import at_once, in_slices, slices
 I64 = NDArray[np.int64]
 
 _DIGIT_BITS: Final = 11
-"""So many bits of a number are looked at in one pass: the places of 2048 digits stay in a processor's nearest memory."""
+"""So many bits of a number are looked at in one pass: the places of 2048 digits stay in the nearest memory."""
 _LONG: Final = 1 << 17
 """Shorter arrays NumPy sorts as fast."""
 

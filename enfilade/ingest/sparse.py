@@ -118,7 +118,9 @@ def _spread(loose: _Loose, surfels: Surfels, planes: Planes, parameters: SparseP
     step = np.zeros(len(plane))
     seeds, of_seed = _seeds(surfels, planes, parameters.seed_m)
     everything = np.concatenate([loose.positions, seeds])
-    around = np.asarray(cKDTree(everything).query(loose.positions, k=min(parameters.neighbours, len(everything)), workers=-1)[1])
+    around = np.asarray(
+        cKDTree(everything).query(loose.positions, k=min(parameters.neighbours, len(everything)), workers=-1)[1]
+    )
     around = around.reshape(len(plane), -1)
     for _ in range(parameters.rounds):
         free = np.flatnonzero(plane < 0)

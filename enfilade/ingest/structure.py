@@ -85,9 +85,7 @@ class Structure:
 
 
 @njit(cache=True, nogil=True)
-def _sides(
-    distance: F32, triangle: NDArray[np.uint32], plane_of: I32, normals: F32, rays: F32
-) -> tuple[I32, Bool]:
+def _sides(distance: F32, triangle: NDArray[np.uint32], plane_of: I32, normals: F32, rays: F32) -> tuple[I32, Bool]:
     """Plane that each ray hit, -1 for none, and whether it came from its front; a rectangle is two triangles."""
     plane, front = np.full(len(distance), -1, np.int32), np.zeros(len(distance), np.bool_)
     for i in range(len(distance)):

@@ -73,9 +73,7 @@ def _measured(
         past = int(ends[np.searchsorted(ends, min(first + _VIEWS_AT_ONCE, len(views)))])
         some = slice(first, past)
         moments = np.zeros((past - first, MOMENTS))
-        in_slices(
-            _add_points, past - first, moments, cloud.positions, views.order, views.bounds[first : past + 1], low
-        )
+        in_slices(_add_points, past - first, moments, cloud.positions, views.order, views.bounds[first : past + 1], low)
         own = normals[some], views.keys[some], grid.row_offsets(), moments, scan[some]
         in_slices(_fit_normals, past - first, *own, towards, *least)
         totals[some] = moments[:, :4]
@@ -192,7 +190,7 @@ def _join_views(
 
 @njit(cache=True, nogil=True)
 def _count_on(first: int, past: int, view_surfel: I32, order: I64, bounds: I64, done: int) -> None:
-    """Number the surfels of cells `first` to `past` after those of the cells before."""
+    """Give the surfels of cells `first` to `past` numbers after those of the cells before."""
     for at in range(bounds[first], bounds[past]):
         if view_surfel[order[at]] >= 0:
             view_surfel[order[at]] += done

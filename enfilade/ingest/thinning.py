@@ -148,7 +148,7 @@ def _say_copies(register: _Register, progress: Progress) -> None:
 
 
 def _renumbered(original: list[int]) -> tuple[I32, list[bool]]:
-    """New number of each scan when copies are left out, and which scans are no copies."""
+    """Return the new number of each scan when copies are left out, and which scans are no copies."""
     is_kept = [number == its for number, its in enumerate(original)]
     new = np.cumsum(is_kept).astype(np.int32) - 1
     return np.asarray(new[original], np.int32), is_kept

@@ -124,7 +124,7 @@ class VoxelSet:
         return VoxelPoints(positions, scan, intensity, colour)
 
     def _order(self) -> I32:
-        """Numbers of the points, shard after shard, in the order of their voxels; lets go of tables, blocks and slots."""
+        """Order the points, shard after shard, by their voxels; let go of tables, blocks and slots."""
         first_block = np.cumsum([0, *(shard.used[0] for shard in self._shards)])
         first_point = np.cumsum([0, *(shard.used[1] for shard in self._shards)])
         blocks = np.concatenate([shard.blocks[: shard.used[0]] for shard in self._shards])
@@ -402,7 +402,7 @@ def _add(chunk, intensity, colour, start, share, scan, origin, voxel_m, scanners
 
 @njit(cache=True, nogil=True, inline="always")
 def _is_copy(here: F32, there: F32) -> bool:
-    for axis in range(3):
+    for axis in range(3):  # noqa: SIM110 (a generator is not compiled)
         if abs(here[axis] - there[axis]) > _SAME_M:
             return False
     return True

@@ -130,7 +130,7 @@ class Remains:
             high = abs(top - opening.sill - opening.height) < self.parameters.max_hinge_m
             if opening.kind in ("door", "passage") and opening.orientation == "horizontal" and high:
                 sideways = np.array([-opening.normal[1], opening.normal[0]]) * opening.width / 2
-                jambs = (opening.position[:2] + [sideways, -sideways] - centre) @ axes
+                jambs = (opening.position[:2] + np.array([sideways, -sideways]) - centre) @ axes
                 if any(self._hangs_on(jamb, ends, opening.width) for jamb in jambs):
                     return True
         return False

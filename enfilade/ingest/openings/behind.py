@@ -26,7 +26,7 @@ LEAST_OWN: Final = 0.75
 
 
 def within_room(hole: Hole, room: Room, parameters: OpeningParameters) -> bool:
-    """Whether a hole up to the ceiling, without glass, has its own room behind it: the mouth of a corridor's arm, say."""
+    """Whether a hole up to the ceiling, without glass, has its own room behind it, as a corridor's arm has."""
     ceiling = room.ceiling_elevation if room.ceiling_elevation is not None else room.bounds[5]
     glazed = hole.pane >= parameters.least_pane
     if glazed or not room.outline or hole.edges[3] < ceiling - parameters.min_lintel_m:

@@ -92,7 +92,7 @@ def find_blind_holes(view: SideView, parameters: OpeningParameters) -> list[Hole
 def is_doorway(hole: Hole, floor: float, parameters: OpeningParameters) -> bool:
     """Whether a hole is as large as a door and framed like one, though few rays go through.
 
-    An open leaf or what stands in the room may hide most of it from the scanner; the wall beside it shows how wide it is.
+    An open leaf or what stands in the room may hide most of it; the wall beside it shows how wide it is.
     """
     walled = bool(hole.bounded[[0, 2, 3]].all())
     wide = parameters.min_width_m <= hole.width <= parameters.max_closed_width_m

@@ -125,7 +125,11 @@ def _ordered(found: list[tuple[I32, F32]], count: int) -> Meetings:
     free = first[:-1] + np.cumsum(counts, axis=0)
     many = int(first[-1])
     meetings = Meetings(
-        np.empty(many, np.int32), first, np.empty((many, 2), np.float32), np.empty(many, np.float32), np.empty(many, bool)
+        np.empty(many, np.int32),
+        first,
+        np.empty((many, 2), np.float32),
+        np.empty(many, np.float32),
+        np.empty(many, bool),
     )
 
     def put(number: int) -> None:
@@ -139,7 +143,9 @@ def _ordered(found: list[tuple[I32, F32]], count: int) -> Meetings:
 
 def _pieces(side: Side) -> F64:
     """``(n, 3)`` places spread over a side."""
-    u, v = (np.linspace(low, high, int(np.ceil((high - low) / PIECE_M)) + 1) for low, high in side.bounds.reshape(2, 2).T)
+    u, v = (
+        np.linspace(low, high, int(np.ceil((high - low) / PIECE_M)) + 1) for low, high in side.bounds.reshape(2, 2).T
+    )
     return side.points(np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2))
 
 
@@ -195,7 +201,7 @@ def _put(numbers, values, free, ray, place, depth, outbound):  # type: ignore[no
 
 @njit(cache=True, nogil=True)
 def _grown(numbers, values):  # type: ignore[no-untyped-def]
-    """Twice the room for what is found: each ray, twice its side and 1 if it is inbound; two coordinates and a depth."""
+    """Make twice the room for what is found: ray, twice its side and 1 if it is inbound; coordinates and a depth."""
     more, also = np.empty((2 * len(numbers), 2), np.int32), np.empty((2 * len(values), 3), np.float32)
     more[: len(numbers)], also[: len(values)] = numbers, values
     return more, also

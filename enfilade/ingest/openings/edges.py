@@ -70,7 +70,9 @@ def edges_of(places: F64, wall: F64, cell_m: float) -> tuple[F64, Bool]:
         if bounded[number]:
             edges[number] = sign * np.median((first[both] + last[both]) / 2)
         else:
-            edges[number] = sign * (np.percentile(first[crossed], 20) if crossed.any() else (sign * places[:, axis]).min())
+            edges[number] = sign * (
+                np.percentile(first[crossed], 20) if crossed.any() else (sign * places[:, axis]).min()
+            )
     return edges, bounded
 
 

@@ -11,8 +11,8 @@ from enfilade.ingest.openings.blind import find_blind_holes, is_doorway, open_bl
 from enfilade.ingest.openings.contacts import contact_sides
 from enfilade.ingest.openings.evidence import Walls
 from enfilade.ingest.openings.holes import Hole, find_holes
-from enfilade.ingest.openings.leaves import with_leaves
 from enfilade.ingest.openings.leads import group_holes, without_rivals
+from enfilade.ingest.openings.leaves import with_leaves
 from enfilade.ingest.openings.parameters import OpeningParameters
 from enfilade.ingest.openings.rays import SideView, SideViews, rays_of, told_by_sight
 from enfilade.ingest.openings.sight import Sight

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-import shapely
 from shapely import LineString, Polygon, STRtree, box
 
 from enfilade.ingest.openings.holes import Hole
@@ -144,9 +144,7 @@ def through(group: Group, rays: Rays) -> I32:
     return np.asarray(ray[joins], dtype=np.int32)
 
 
-def _lead(
-    hole: Hole, rays: Rays, plans: Mapping[int, Polygon | None], parameters: OpeningParameters
-) -> Lead | None:
+def _lead(hole: Hole, rays: Rays, plans: Mapping[int, Polygon | None], parameters: OpeningParameters) -> Lead | None:
     """Ask the rays through a hole which room is behind it; None if it is the room itself, or none that begins there."""
     room = hole.side.room
     far = np.where(hole.outbound, rays.to_room[hole.ray], rays.from_room[hole.ray])

@@ -78,7 +78,7 @@ def with_leaves(openings: Iterable[Opening], surfels: Surfels) -> list[Opening]:
 def stands_ajar(opening: Opening, surfels: Surfels, upright: I64, tree: cKDTree) -> bool:
     """Whether surfels cover the leaf of a door, and face as one that stands ajar does."""
     covered, angle_deg = leaf_of(opening, surfels, upright, tree)
-    return covered > COVERED and CLOSED_DEG < angle_deg
+    return covered > COVERED and angle_deg > CLOSED_DEG
 
 
 def leaf_of(opening: Opening, surfels: Surfels, upright: I64, tree: cKDTree) -> tuple[float, float]:

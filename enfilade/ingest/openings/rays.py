@@ -8,7 +8,6 @@ from typing import Final, TypeVar
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from enfilade.ingest.openings.crossings import SideGrid
 from enfilade.ingest.parallel import at_once, taken
@@ -34,7 +33,7 @@ class Rays:
     from_room, to_room
         ``(N,) int32`` the room in which the scanner stands, the room of the point; -1 for none.
     surfel
-        ``(N,) int32`` the surfel of the point; -1 where points are too sparse for one, and so of no room for that alone.
+        ``(N,) int32`` the surfel of the point; -1 where points are too sparse for one, and of no room for that alone.
     """
 
     end: F32

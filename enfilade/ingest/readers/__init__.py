@@ -132,8 +132,8 @@ def _files_of(source: Path) -> list[Path]:
 
 def _matching(pattern: Path) -> list[Path]:
     """Return the scan files that a pattern matches, which the shell did not replace."""
-    files = sorted(Path(name) for name in glob.glob(str(pattern), recursive=True)) if glob.has_magic(str(pattern)) else []
-    files = [file for file in files if _is_scan(file)]
+    names = glob.glob(str(pattern), recursive=True) if glob.has_magic(str(pattern)) else []  # noqa: PTH207 (any pattern)
+    files = sorted(path for path in map(Path, names) if _is_scan(path))
     if not files:
         raise InputError(f"there is no file or folder {pattern}: check the path")
     return files

@@ -142,7 +142,7 @@ def _colour(columns: dict[str, Any], kept: Any, scale: float) -> U8 | None:
 
 
 def _colour_scale(header: Any) -> float:
-    """What brings colours to 0 to 255; the limits say what they go to in the file."""
+    """Return what brings colours to 0 to 255; the limits say what they go to in the file."""
     node = header.node
     if not (node.isDefined("colorLimits") and node["colorLimits"].isDefined("colorRedMaximum")):
         return 1.0

@@ -40,7 +40,6 @@ def naming_faults(
     native
         Further exceptions of a library, whose first line is worth repeating.
     """
-
     expected: tuple[type[BaseException], ...] = (*_SPOILT, *native)
 
     def decorate(parse: Callable[Concatenate[Path, P], Iterator[T]]) -> Callable[Concatenate[Path, P], Iterator[T]]:
@@ -53,7 +52,9 @@ def naming_faults(
             except OSError as error:
                 raise InputError(f"{path} cannot be read: {error.strerror or error}") from error
             except expected as error:
-                raise InputError(f"{path} cannot be read as {form}: {_cause(error)}; export or copy it again") from error
+                raise InputError(
+                    f"{path} cannot be read as {form}: {_cause(error)}; export or copy it again"
+                ) from error
 
         return guarded
 

@@ -97,7 +97,9 @@ def _first(source: Iterator[Scan]) -> list[Scan]:
             if left <= 0:
                 break
         is_whole = left > 0
-        taken.append(Scan(scan.name, scan.source, chunks if is_whole else _Resumed(chunks, rest), scan.scanner_position))
+        taken.append(
+            Scan(scan.name, scan.source, chunks if is_whole else _Resumed(chunks, rest), scan.scanner_position)
+        )
         if not is_whole:
             break
     return taken

@@ -81,7 +81,7 @@ class Trajectory:
 
 
 def read_trajectory(paths: Sequence[Path], spacing: float) -> Trajectory:
-    """Read a trajectory from text files with a row a moment: time, x, y, z, by the names in the header or in this order.
+    """Read a trajectory from text files with a row a moment: time, x, y, z, by the header's names or in this order.
 
     Parameters
     ----------
@@ -127,7 +127,9 @@ def _rows(path: Path) -> F64:
     except OSError as error:
         raise InputError(f"the trajectory {path} cannot be read: {error.strerror or error}") from error
     except ValueError as error:
-        raise InputError(f"the trajectory {path} cannot be read: {error}; it should be text, time,x,y,z a row") from error
+        raise InputError(
+            f"the trajectory {path} cannot be read: {error}; it should be text, time,x,y,z a row"
+        ) from error
     return np.concatenate(parts) if parts else np.empty((0, 4))
 
 
@@ -150,7 +152,7 @@ def _columns(head: bytes, path: Path) -> list[int] | None:
 
 @njit(cache=True, nogil=True)
 def _places(way: NDArray[np.float64], spacing: float, most: int) -> tuple[I32, int]:
-    """Number of the place at each moment, and how many places there are (`most` + 1 if more than that).
+    """Return the number of the place at each moment, and how many there are (`most` + 1 if more than that).
 
     There is a place wherever the scanner was far from all places before; each moment belongs to the nearest.
     """
