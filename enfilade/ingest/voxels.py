@@ -38,6 +38,8 @@ _FIRST_PLACES: Final = 1 << 17
 _FULLEST: Final = 0.625
 _STRIDE: Final = 65
 _OPTIONAL: Final = ("intensity", "colour")
+_MOST_SHARDS: Final = 4
+"""Each looks at all points, if only to leave them to others."""
 _SAME_M: Final = 1e-4
 """Points of two scans no farther apart than this along each axis are copies, but for rounding."""
 
@@ -77,7 +79,7 @@ class VoxelSet:
         Threads that put points in at the same time; what is kept does not depend on it.
     """
 
-    def __init__(self, voxel_m: float, origin: F64, shards: int = processors()) -> None:
+    def __init__(self, voxel_m: float, origin: F64, shards: int = min(processors(), _MOST_SHARDS)) -> None:
         self._voxel_m = voxel_m
         self._origin = origin
         self._shards = [_Shard() for _ in range(shards)]
