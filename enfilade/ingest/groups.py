@@ -28,6 +28,7 @@ _SOFFIT: Final = 0.95
 _ASIDE: Final = 8
 """Directions in which a scanner may step aside."""
 _SAME_M: Final = 0.05
+"""Soffits this close to the clearance over a scanner are what it was measured to."""
 _UP: Final = np.array([0.0, 0.0, 1.0], np.float32)
 _TRIPOD_M: Final = 2.5
 """Highest that a scanner stands over its floor."""

@@ -16,6 +16,7 @@ from .records import F32, F64, I32, Bool, Plan, RoomLabels, Surfels
 
 I64 = NDArray[np.int64]
 _LEVEL: Final = 0.7
+"""Floors face up by so much."""
 
 
 @dataclass(frozen=True, slots=True)

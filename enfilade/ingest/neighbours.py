@@ -15,7 +15,7 @@ from shapely import Polygon, STRtree, box
 from enfilade.ingest.borders import Border, plan_borders, plan_of, top
 from enfilade.ingest.parallel import at_once
 from enfilade.ingest.records import F32, F64, I32, Bool, Neighbour, Planes, Room, RoomLabels, Surfels
-from enfilade.ingest.sides import Patch, axes, cut_by_room
+from enfilade.ingest.sides import Patch, axes, cut_by_room, in_plane
 
 _AGAINST_PLANS: Final = 2.0
 """So many times the least area of planes back to back makes two rooms neighbours whose plans do not: labels stray."""
@@ -171,14 +171,7 @@ def _shared(positions: F32, own: I32, other: I32, u: F64, v: F64, cell_m: float)
 @njit(cache=True, nogil=True)
 def _cells(positions: F32, members: I32, u: F64, v: F64, cell_m: float) -> NDArray[np.int64]:
     """``(n, 2)`` cells of some surfels in the plane of two axes."""
-    cells = np.empty((len(members), 2), np.int64)
-    for i in range(len(members)):
-        along, across = 0.0, 0.0
-        for axis in range(3):
-            along += positions[members[i], axis] * u[axis]
-            across += positions[members[i], axis] * v[axis]
-        cells[i, 0], cells[i, 1] = np.int64(np.floor(along / cell_m)), np.int64(np.floor(across / cell_m))
-    return cells
+    return np.floor(in_plane(positions, members, u, v) / cell_m).astype(np.int64)
 
 
 def _neighbour(

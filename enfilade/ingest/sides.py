@@ -16,7 +16,7 @@ from numba import njit
 
 from enfilade.ingest.cells import Gathered
 from enfilade.ingest.parallel import at_once
-from enfilade.ingest.records import F64, I32, Planes, RoomLabels, Surfels
+from enfilade.ingest.records import F32, F64, I32, Planes, RoomLabels, Surfels
 
 UP: Final = np.array([0.0, 0.0, 1.0])
 
@@ -166,6 +166,17 @@ def axes(normal: F64) -> tuple[F64, F64]:
     u = np.cross(UP, normal)
     u /= np.linalg.norm(u)
     return u, UP.copy()
+
+
+@njit(cache=True, nogil=True)
+def in_plane(positions: F32, members: I32, u: F64, v: F64) -> F64:
+    """``(n, 2)`` where some of the positions are along the axes of a plane."""
+    places = np.zeros((len(members), 2))
+    for i in range(len(members)):
+        for axis in range(3):
+            places[i, 0] += positions[members[i], axis] * u[axis]
+            places[i, 1] += positions[members[i], axis] * v[axis]
+    return places
 
 
 def _patch(room: int, plane: int, group: I32, surfels: Surfels, planes: Planes) -> Patch:

@@ -12,7 +12,7 @@ from numba import njit
 from enfilade.ingest.openings.crossings import SideGrid
 from enfilade.ingest.parallel import at_once, taken
 from enfilade.ingest.records import F32, F64, I32, Bool, RoomLabels, Surfels, ThinnedCloud
-from enfilade.ingest.sides import Side
+from enfilade.ingest.sides import Side, in_plane
 
 R = TypeVar("R")
 
@@ -140,7 +140,7 @@ class SideViews:
             side,
             ray,
             np.concatenate([through.place[crossings], at.place[ends][inset]]).astype(np.float64),
-            _in_plane(self._rays.end, ray, side.u, side.v),
+            in_plane(self._rays.end, ray, side.u, side.v),
             np.concatenate([through.depth[crossings], at.depth[ends][inset]]).astype(np.float64),
             np.concatenate([through.outbound[crossings], at.outbound[ends][inset]]),
             at.place[ends][~behind & ~before].astype(np.float64),
@@ -184,17 +184,6 @@ def told_by_sight(rays: Rays, surfels: Surfels, unhindered: Bool) -> Rays:
     to_room = rays.to_room.copy()
     to_room[untold] = room[surfel[untold]]
     return replace(rays, to_room=to_room)
-
-
-@njit(cache=True, nogil=True)
-def _in_plane(points: F32, ray: I32, u: F64, v: F64) -> F64:
-    """``(k, 2)`` where some points are along two axes."""
-    places = np.zeros((len(ray), 2))
-    for i in range(len(ray)):
-        for axis in range(3):
-            places[i, 0] += points[ray[i], axis] * u[axis]
-            places[i, 1] += points[ray[i], axis] * v[axis]
-    return places
 
 
 @njit(cache=True, nogil=True)
