@@ -144,8 +144,7 @@ def import_command(ctx: click.Context, files: tuple[Path, ...]) -> None:
     archive = open_archive(ctx, create=True)
     count = 0
     try:
-        for graph, cloud in _read_files(files):
-            archive.save(graph, cloud)
+        for _ in archive.save_all(_read_files(files)):
             count += 1
     except EnfiladeError:
         if count:

@@ -8,10 +8,11 @@ a graph never points to another version's points.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from hashlib import sha256
+from itertools import groupby
 from pathlib import Path
 from typing import Any, Final
 
@@ -22,7 +23,7 @@ from enfilade.clouds import LABELS, LabelledCloud, read_cloud, write_cloud
 from enfilade.errors import EnfiladeError, NotFoundError
 from enfilade.progress import Progress, Silent
 from enfilade.schema.graph import BuildingGraph
-from enfilade.stores.base import Store
+from enfilade.stores.base import Store, in_batches
 
 _SILENT: Final = Silent()
 
@@ -84,6 +85,26 @@ class Archive:
             raise
         self._discard(before, kept=after)
 
+    def save_all(self, buildings: Iterable[tuple[BuildingGraph, LabelledCloud | None]]) -> Iterator[str]:
+        """Put buildings in, those without cloud many at once; yields the id of each when it is in."""
+        for is_plain, group in groupby(buildings, key=lambda pair: pair[1] is None):
+            if is_plain:
+                for batch in in_batches(graph for graph, _ in group):
+                    self._save_plain(batch)
+                    yield from (graph.building for graph in batch)
+                continue
+            for graph, cloud in group:
+                self.save(graph, cloud)
+                yield graph.building
+
+    def _save_plain(self, graphs: Sequence[BuildingGraph]) -> None:
+        before = [self._cloud_name(graph.building) for graph in graphs]
+        for graph in graphs:
+            graph.nodes[graph.building].properties.pop("cloud", None)
+        self.store.write_all(graphs)
+        for name in before:
+            self._discard(name, kept=None)
+
     def cloud_path(self, building: str) -> Path:
         """Return where a building's labelled cloud lies. Raises NotFoundError where it has none."""
         name = self._cloud_name(building)
@@ -120,7 +141,7 @@ class Archive:
 def copy_buildings(
     source: Archive, target: Archive, buildings: Sequence[str] | None = None, *, progress: Progress = _SILENT
 ) -> list[str]:
-    """Copy buildings with their clouds, each in one transaction; one that is there already is replaced.
+    """Copy buildings with their clouds, each in a moment; one that is there already is replaced.
 
     Parameters
     ----------
@@ -147,7 +168,6 @@ def copy_buildings(
     if missing is not None:
         raise NotFoundError(f'there is no building "{missing}" in {source.store.url}; nothing was copied')
     progress.start("copy", len(ids))
-    for id in ids:
-        target.save(source.store.read(id), source.cloud(id))
+    for _ in target.save_all((source.store.read(id), source.cloud(id)) for id in ids):
         progress.advance()
     return ids

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import TracebackType
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from enfilade.errors import EnfiladeError
 from enfilade.schema.graph import BuildingGraph
 
 
@@ -50,6 +51,32 @@ class DescriptorTable:
     floor_offsets: NDArray[np.float32]
 
 
+ROWS_AT_ONCE: Final = 8_000
+"""Nodes and edges that `in_batches` puts into one transaction: some 10 MB with their descriptors."""
+
+
+def in_batches(graphs: Iterable[BuildingGraph], rows: int = ROWS_AT_ONCE) -> Iterator[list[BuildingGraph]]:
+    """Yield graphs as lists for `Store.write_all`, each of at least `rows` nodes and edges but for the last.
+
+    Where the next graph cannot be had, those before it come first, and then the error.
+    """
+    batch: list[BuildingGraph] = []
+    waiting = 0
+    try:
+        for graph in graphs:
+            batch.append(graph)
+            waiting += len(graph.nodes) + len(graph.edges)
+            if waiting >= rows:
+                yield batch
+                batch, waiting = [], 0
+    except EnfiladeError:
+        if batch:
+            yield batch
+        raise
+    if batch:
+        yield batch
+
+
 class Store(ABC):
     """A graph database that holds many buildings."""
 
@@ -61,9 +88,17 @@ class Store(ABC):
     def url(self) -> str:
         """Address of the store, without a password."""
 
-    @abstractmethod
     def write(self, graph: BuildingGraph) -> None:
         """Put a building in, in one transaction; an older version of it disappears in the same moment."""
+        self.write_all([graph])
+
+    @abstractmethod
+    def write_all(self, graphs: Sequence[BuildingGraph]) -> None:
+        """Put buildings in, all or none, in one transaction: much faster than one by one.
+
+        They must fit memory, ours and the server's; `in_batches` takes many apart. Of a building that is there twice
+        the last stays. Raises GraphError where one breaks the schema.
+        """
 
     @abstractmethod
     def read(self, building: str) -> BuildingGraph:

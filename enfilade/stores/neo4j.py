@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, Final, TypeVar
 
@@ -76,13 +76,15 @@ class Neo4jStore(Store):
         path = "" if self._database == DEFAULT_DATABASE else f"/{self._database}"
         return f"{scheme}://{self._user}@{host}{path}"
 
-    def write(self, graph: BuildingGraph) -> None:
-        """Put a building in, in one transaction; an older version of it disappears in the same moment."""
-        check(graph)
+    def write_all(self, graphs: Sequence[BuildingGraph]) -> None:
+        """Put buildings in, all or none, in one transaction; older versions disappear in the same moment."""
+        for graph in graphs:
+            check(graph)
+        last = {graph.building: graph for graph in graphs}
 
         def replace(transaction: ManagedTransaction) -> None:
-            neo4j_graph.delete(transaction, graph.building)
-            neo4j_graph.insert(transaction, graph)
+            neo4j_graph.delete(transaction, list(last))
+            neo4j_graph.insert(transaction, list(last.values()))
 
         self._write(replace)
 
@@ -103,7 +105,7 @@ class Neo4jStore(Store):
 
     def remove(self, building: str) -> None:
         """Take a building out, in one transaction. Raises NotFoundError."""
-        if not self._write(lambda transaction: neo4j_graph.delete(transaction, building)):
+        if not self._write(lambda transaction: neo4j_graph.delete(transaction, [building])):
             raise self._not_found(building)
 
     def buildings(self) -> list[BuildingSummary]:

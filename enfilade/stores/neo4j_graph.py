@@ -27,31 +27,34 @@ BATCH: Final = 2000
 
 Stored = Mapping[str, Any]
 
+_PRESENT: Final = "MATCH (b:Building) WHERE b.id IN $buildings RETURN count(b)"
 _HEADER: Final = "MATCH (b:Building {id: $building}) RETURN properties(b)"
 
 
-def delete(transaction: ManagedTransaction, building: str) -> bool:
-    """Take a building out; returns whether it was there."""
-    found = transaction.run(_HEADER, building=building).single() is not None
-    for label in reversed(NODES):
-        text = f"MATCH (n:`{label}` {{building: $building}}) DETACH DELETE n"
-        transaction.run(text, building=building).consume()
-    return found
+def delete(transaction: ManagedTransaction, buildings: Sequence[str]) -> int:
+    """Take buildings out; returns how many were there."""
+    found = transaction.run(_PRESENT, buildings=buildings).single(strict=True)[0]
+    for label in reversed(NODES) if found else ():
+        text = f"UNWIND $buildings AS building MATCH (n:`{label}` {{building: building}}) DETACH DELETE n"
+        transaction.run(text, buildings=buildings).consume()
+    return int(found)
 
 
-def insert(transaction: ManagedTransaction, graph: BuildingGraph) -> None:
-    """Put a building in that is not there."""
-    nodes = list(enumerate(graph.nodes.values()))
-    edges = list(enumerate(graph.edges))
-    for label in NODES:
-        rows = [_node_row(node, sequence) for sequence, node in nodes if node.label == label]
+def insert(transaction: ManagedTransaction, graphs: Sequence[BuildingGraph]) -> None:
+    """Put buildings in that are not there."""
+    nodes: dict[str, list[dict[str, Any]]] = {}
+    edges: dict[tuple[str, str, str], list[dict[str, Any]]] = {}
+    for graph in graphs:
+        for sequence, node in enumerate(graph.nodes.values()):
+            nodes.setdefault(node.label, []).append(_node_row(node, sequence))
+        for sequence, edge in enumerate(graph.edges):
+            ends = (edge.type, graph.nodes[edge.source].label, graph.nodes[edge.target].label)
+            edges.setdefault(ends, []).append(_edge_row(edge, sequence))
+        nodes["Building"][-1].update(_header(graph))
+    for label, rows in nodes.items():
         _run_batches(transaction, f"UNWIND $rows AS row CREATE (n:`{label}`) SET n = row", rows)
-    for edge_type in EDGE_TYPES:
-        for ends in edge_type.ends:
-            here = ((n, edge) for n, edge in edges if edge.type == edge_type.type and _ends(graph, edge) == ends)
-            _run_batches(transaction, _edge_statement(edge_type.type, *ends), [_edge_row(edge, n) for n, edge in here])
-    text = "MATCH (b:Building {id: $building}) SET b += $header"
-    transaction.run(text, building=graph.building, header=_header(graph)).consume()
+    for key, rows in edges.items():
+        _run_batches(transaction, _edge_statement(*key), rows)
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,15 +118,9 @@ def _by_sequence(row: tuple[int, Any]) -> int:
     return row[0]
 
 
-def _ends(graph: BuildingGraph, edge: Edge) -> tuple[str, str]:
-    return graph.nodes[edge.source].label, graph.nodes[edge.target].label
-
-
 def _header(graph: BuildingGraph) -> dict[str, Any]:
-    return {
-        "descriptor_shape": None if graph.descriptor_shape is None else list(graph.descriptor_shape),
-        "attributes": as_json(graph.attributes),
-    }
+    shape = None if graph.descriptor_shape is None else list(graph.descriptor_shape)
+    return {"descriptor_shape": shape, "attributes": as_json(graph.attributes)}
 
 
 def _node_row(node: Node, sequence: int) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any, Final
@@ -65,12 +65,14 @@ class SQLiteStore(Store):
         """``sqlite:PATH``."""
         return f"sqlite:{self._path}"
 
-    def write(self, graph: BuildingGraph) -> None:
-        """Put a building in, in one transaction; an older version of it disappears in the same moment."""
-        check(graph)
+    def write_all(self, graphs: Sequence[BuildingGraph]) -> None:
+        """Put buildings in, all or none, in one transaction; older versions disappear in the same moment."""
+        for graph in graphs:
+            check(graph)
         with self._writing() as connection:
-            sqlite_graph.delete(connection, graph.building)
-            sqlite_graph.insert(connection, graph)
+            for graph in graphs:
+                sqlite_graph.delete(connection, graph.building)
+                sqlite_graph.insert(connection, graph)
             connection.execute("ANALYZE")
 
     def read(self, building: str) -> BuildingGraph:

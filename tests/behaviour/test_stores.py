@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from enfilade.schema.encoding import encode
 from enfilade.schema.graph import BuildingGraph
 from enfilade.stores import Store, open_store
 from enfilade.stores.archive import Archive, copy_buildings
+from enfilade.stores.base import in_batches
 
 ONE_NODE = {"sql": "SELECT id FROM building ORDER BY id", "cypher": "MATCH (b:Building) RETURN b.id ORDER BY b.id"}
 PARAMETER = {"sql": "SELECT :text", "cypher": "RETURN $text"}
@@ -106,6 +108,46 @@ def test_writing_again_replaces(store: Store, hotel: BuildingGraph) -> None:
     store.write(hotel)
     assert store.read("hotel") == hotel
     assert [summary.id for summary in store.buildings()] == ["hotel"]
+
+
+def test_many_are_written_in_one_moment_or_not_at_all(store: Store) -> None:
+    store.write_all([building("a"), building("b", rooms=1), building("a", rooms=2)])
+    assert [(summary.id, summary.rooms) for summary in store.buildings()] == [("a", 2), ("b", 1)]
+    broken = building("d")
+    broken.add_edge("d/r0", "OPENS", "d/p0")
+    with pytest.raises(GraphError, match="no node 'd/p0'"):
+        store.write_all([building("c"), broken])
+    store.write_all([])
+    assert [store.read(id) for id in ("a", "b")] == [building("a", rooms=2), building("b", rooms=1)]
+    assert len(store.buildings()) == 2
+
+
+def test_an_archive_takes_many_and_keeps_what_came_before_a_fault(store: Store, tmp_path: Path) -> None:
+    archive = Archive(store, tmp_path / "clouds")
+    cloud = LabelledCloud(np.eye(3), *(np.arange(3, dtype=np.int32) for _ in range(5)))
+    broken = GraphError("line 4 is no graph")
+
+    def found() -> Iterator[tuple[BuildingGraph, LabelledCloud | None]]:
+        yield building("a"), None
+        yield building("b"), cloud
+        yield building("c"), None
+        raise broken
+
+    done: list[str] = []
+    with pytest.raises(GraphError, match="line 4"):
+        done.extend(archive.save_all(found()))
+    assert [summary.id for summary in store.buildings()] == ["a", "b", "c"]
+    assert archive.cloud("b") is not None
+    assert list(archive.save_all([(building("b"), None)])) == ["b"]
+    assert archive.cloud("b") is None
+    assert not list((tmp_path / "clouds").iterdir())
+
+
+def test_batches_are_as_large_as_asked_for() -> None:
+    graphs = [building(str(number), rooms=number) for number in range(6)]
+    sizes = [[len(g.nodes) + len(g.edges) for g in batch] for batch in in_batches(graphs, rows=12)]
+    assert sizes == [[3, 5, 7], [9, 11], [13]]
+    assert list(in_batches([])) == []
 
 
 def test_other_buildings_stay(store: Store) -> None:
