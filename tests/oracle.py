@@ -13,10 +13,11 @@ from itertools import combinations, permutations, product
 from typing import Any
 
 import networkx as nx
+from oracle_relax import near_matches
 from oracle_symmetry import description, edges_kept, own, same, same_where
-from oracle_values import Values, compare
+from oracle_values import Values, compare, constraints_hold
 
-from enfilade.queries.query_graph import EdgePattern, Equal, NodePattern, Pattern, QueryGraph
+from enfilade.queries.query_graph import EdgePattern, NodePattern, Pattern, QueryGraph
 from enfilade.queries.syntax import Expression, PropertyOf, Subquery, Variable, children
 from enfilade.schema.graph import BuildingGraph, Node
 
@@ -50,16 +51,20 @@ class Oracle:
         self.query = query
         self.combining = {name for p in (query.pattern, *query.optional) for name in _combining(p)}
         found = [match for graph in self.buildings for match in self.matches_in(query, graph)]
-        scores = [self.values.score(match, self.likened()) for match in found]
+        scores = [(*self.values.score(match, self.likened()), *match.get("miss", ())) for match in found]
         matches = sorted(
-            zip(scores, found, strict=True), key=lambda pair: (-pair[0][0], self.key(pair[1], named_only=False))
+            zip(scores, found, strict=True),
+            key=lambda pair: (pair[0][2:], -pair[0][0], self.key(pair[1], named_only=False)),
         )
         if not query.keep_all:
             matches = self.without_overlap(matches)
         return self.values.table(query, matches, lambda match: self.key(match, named_only=True))
 
     def matches_in(self, query: QueryGraph, graph: BuildingGraph) -> list[Found]:
-        found = self.extensions(query.pattern, {"": graph.building})
+        if query.relax is None:
+            found = self.extensions(query.pattern, {"": graph.building})
+        else:
+            found = near_matches(self, query, graph)
         for clause in query.optional:
             found = [extended for match in found for extended in self.option(clause, match)]
         if query.keep_all:
@@ -235,8 +240,10 @@ class Oracle:
         return self._turns
 
     def key(self, match: Found, *, named_only: bool) -> Any:
-        order = _order([self.query.pattern, *self.query.optional])
-        named = [name for name in order if "#" not in name and not isinstance(match.get(name), StoredEdge)]
+        patterns = [self.query.pattern, *self.query.optional]
+        order = _order(patterns)
+        stored = {edge.name for pattern in patterns for edge in pattern.edges if not _opening_types(edge)}
+        named = [name for name in order if "#" not in name and name not in stored]
         rest = [] if named_only else [name for name in order if name not in named]
         return _key(match, [*named, *rest], {})
 
@@ -255,22 +262,6 @@ def segments(thing: Node) -> set[str]:
     return set(named) if named is not None else {f"{building}/{number}" for number in numbers.split("+")}
 
 
-def constraints_hold(pattern: NodePattern | EdgePattern, thing: Any) -> bool:
-    properties = dict(thing.properties)
-    if isinstance(thing, Node):
-        properties["id"] = thing.id
-    for entry in pattern.constraints:
-        value = properties.get(entry.property)
-        if isinstance(entry, Equal):
-            if compare("=", value, entry.value.value) is not True:
-                return False
-        elif value is None or not (
-            (entry.low is None or value >= entry.low.value) and (entry.high is None or value <= entry.high.value)
-        ):
-            return False
-    return True
-
-
 def _as_one_graph(graph: BuildingGraph) -> nx.DiGraph:
     whole = nx.DiGraph()
     for node in graph.nodes.values():
@@ -282,11 +273,15 @@ def _as_one_graph(graph: BuildingGraph) -> nx.DiGraph:
     return whole
 
 
+def _opening_types(edge: EdgePattern) -> frozenset[str]:
+    return frozenset(type for type in edge.types if type in KINDS or type == "OPENING")
+
+
 def _readings(edge: EdgePattern) -> list[tuple[str, frozenset[str], bool]]:
     """What an edge may be: an opening of some kinds, or a stored edge of a type, ahead or back."""
     if edge.hops:
         return [("path", frozenset(), False)]
-    openings = frozenset(type for type in edge.types if type in KINDS or type == "OPENING")
+    openings = _opening_types(edge)
     found = [("opening", openings, False)] if openings else []
     for type in edge.types:
         if type not in openings:

@@ -9,8 +9,8 @@ from enfilade.queries.syntax import Call, Expression, PropertyOf, Subquery, Vari
 
 
 def own(pattern: Pattern, name: str) -> str:
-    """What has no name is a thing of its own pattern only."""
-    return f"{name} {id(pattern)}" if name.startswith("#") else name
+    """What has no name is a thing of its own pattern only, or of the one that this is made from."""
+    return f"{name} {id(getattr(pattern, 'made_from', pattern))}" if name.startswith("#") else name
 
 
 def description(patterns: list[Pattern], name: str) -> str:

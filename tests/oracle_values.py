@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from enfilade.descriptors import TOTAL
-from enfilade.queries.query_graph import QueryGraph
+from enfilade.queries.query_graph import EdgePattern, Equal, NodePattern, QueryGraph
 from enfilade.queries.syntax import Call, Expression, Literal, PropertyOf, Variable, children
 from enfilade.schema.graph import BuildingGraph, Node
 
@@ -29,6 +29,22 @@ def compare(operator: str, a: Any, b: Any) -> bool | None:
     if operator in results:
         return results[operator]
     return {"<": a < b, "<=": a <= b, ">": a > b, ">=": a >= b}[operator]
+
+
+def constraints_hold(pattern: NodePattern | EdgePattern, thing: Any) -> bool:
+    properties = dict(thing.properties)
+    if isinstance(thing, Node):
+        properties["id"] = thing.id
+    for entry in pattern.constraints:
+        value = properties.get(entry.property)
+        if isinstance(entry, Equal):
+            if compare("=", value, entry.value.value) is not True:
+                return False
+        elif value is None or not (
+            (entry.low is None or value >= entry.low.value) and (entry.high is None or value <= entry.high.value)
+        ):
+            return False
+    return True
 
 
 def distance(p: np.ndarray, q: np.ndarray, shape: tuple[int, int, int]) -> float:
@@ -113,7 +129,7 @@ class Values:
 
         def key(row: Any) -> Any:
             values, scores, match = row
-            first = []
+            first: list[Any] = [scores[2:]] if scores else []
             for wanted in query.order:
                 if aggregated:
                     value = values[_column_of(wanted.expression, query)]
@@ -130,7 +146,10 @@ class Values:
         if query.per_building is not None:
             rows = _first_of_each(rows, query.per_building.value)
         start = query.skip.value if query.skip else 0
-        return [row[0] for row in rows[start : start + query.limit.value if query.limit else None]]
+        rows = rows[start : start + query.limit.value if query.limit else None]
+        if query.relax is None:
+            return [row[0] for row in rows]
+        return [(*values, match["unmet"]) for values, _, match in rows]
 
     def groups(self, columns: list[Expression], matches: list[Any]) -> list[tuple[Any, ...]]:
         keys = [e for e in columns if not _aggregates(e)]
@@ -269,4 +288,4 @@ def _building(row: Any) -> str:
     return str(row[2][""])
 
 
-__all__ = ["Literal", "PropertyOf", "Values", "compare", "distance", "sort_key"]
+__all__ = ["Literal", "PropertyOf", "Values", "compare", "constraints_hold", "distance", "sort_key"]

@@ -138,6 +138,8 @@ class QuestionMaker:
         rng = self.rng
         if rng.random() < 0.2:
             return self.symmetric()
+        if rng.random() < 0.15:
+            return self.relaxed()
         text = f"MATCH {self.pattern(rng.choice((1, 2, 2, 3, 3)))}"
         if rng.random() < 0.5:
             text += f" WHERE {self.condition(2)}"
@@ -179,6 +181,22 @@ class QuestionMaker:
             (", ".join(rng.sample(names, len(names))), names[0], "count(*)", "score", "DISTINCT a, b")
         )
         return f"MATCH {pattern}{where} RETURN {returned}"
+
+    def relaxed(self) -> str:
+        """A question that takes near misses too: a small one, as the oracle looks at every placement."""
+        rng = self.rng
+        if rng.random() < 0.3:
+            text = self.symmetric()
+            while "OPTIONAL" in text or "count(*)" in text or len(text) > 160:
+                text = self.symmetric()
+            return f"{text} RELAX {rng.choice((1, 1, 2))}"
+        text = f"MATCH {self.pattern(rng.choice((1, 1, 2)))}"
+        for word in ("WHERE", "AND")[: rng.choice((0, 1, 1, 2))]:
+            text += f" {word} {self.condition(1) if rng.random() < 0.4 else self.comparison()}"
+        returning = self.returning()
+        while "(" in returning:
+            returning = self.returning()
+        return f"{text} {returning} RELAX {rng.choice((1, 1, 2, 3))}"
 
     # Patterns
 

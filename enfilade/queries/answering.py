@@ -19,12 +19,14 @@ from .explanation import Explanation
 from .kinds import Scope, check_kinds, scope_of, whole_scope
 from .parse import NESTED, parse
 from .query_graph import Pattern, QueryGraph
-from .result import Result
+from .relaxation import condition_texts
+from .result import UNMET, Result, Unmet
 from .run.matches import Match
 from .run.matching import Matcher
+from .run.near import NearMisses
 from .run.needs import needed_properties
 from .run.pruning import is_apart, likened_nodes, one_of_each, scored, uses_segments_once, without_overlap
-from .run.rows import check_rows, ranked, rows_of
+from .run.rows import Row, check_rows, number_of_rows, ranked, rows_of
 from .sayable import is_mixed
 from .symmetry import Symmetry, order_of_appearance, question_symmetries, smaller_first
 from .syntax import Subquery, walk
@@ -67,22 +69,35 @@ def answer(
     """
     given = {**(parameters or {}), **(likenesses or {})}
     try:
-        query = _understood(question, parameters or {}, given)
+        asked = parse(question) if isinstance(question, str) else question
+        query = _understood(asked, parameters or {}, given)
     except RecursionError:
         raise QuestionError(NESTED) from None
     answering = _Answering(store, query, Examples(store, given), Deadline(timeout_s), run=not explain_only)
-    rows = answering.rows()
-    columns = [column.name for column in query.columns]
-    return Result(columns, [dict(zip(columns, row, strict=True)) for row in rows], answering.explanation)
+    return _result(query, answering.rows(), condition_texts(asked.pattern, asked.text), answering.explanation)
 
 
-def _understood(question: str | QueryGraph, parameters: Mapping[str, Any], given: Mapping[str, Any]) -> QueryGraph:
+def _understood(query: QueryGraph, parameters: Mapping[str, Any], given: Mapping[str, Any]) -> QueryGraph:
     """Return a question with every name checked and every value put in."""
-    query = parse(question) if isinstance(question, str) else question
     query = bind(resolve(query), parameters, given)
     check_kinds(query)
     check_rows(query)
     return query
+
+
+def _result(query: QueryGraph, rows: list[Row], conditions: list[str], explanation: Explanation) -> Result:
+    columns = [column.name for column in query.columns]
+    named = [dict(zip(columns, row.values, strict=True)) for row in rows]
+    if query.relax is None:
+        return Result(columns, named, explanation)
+    unmet = [
+        tuple(map(Unmet, (conditions[number] for number in row.match.unmet), row.match.excesses))
+        for row in rows
+        if row.match is not None
+    ]
+    for row, misses in zip(named, unmet, strict=True):
+        row[UNMET] = [miss.condition for miss in misses]
+    return Result([*columns, UNMET], named, explanation, unmet)
 
 
 class _Answering:
@@ -93,24 +108,38 @@ class _Answering:
         self._examples = examples
         self._run = run
         self._patterns = [query.pattern, *query.optional]
+        self._combining = combining_objects(query)
         self.explanation = Explanation(store.url)
         self._matcher = Matcher(
             store,
             examples,
-            combining_objects(query),
+            self._combining,
             needed_properties(query),
             deadline,
             self.explanation,
             run=run,
         )
 
-    def rows(self) -> list[tuple[Any, ...]]:
+    def rows(self) -> list[Row]:
         with self._timed("symmetry of the question"):
             symmetries = [] if self._query.keep_all else question_symmetries(self._query)
         order = list(dict.fromkeys(name for pattern in self._patterns for name in order_of_appearance(pattern)))
-        matches = self._matches(symmetries, order)
-        with self._timed("scores, order, columns"):
-            return self._finished(matches, symmetries, order)
+        if self._query.relax is not None:
+            return self._with_near_misses(symmetries, order)
+        return self._finished(self._scored(self._matches(symmetries, order)), symmetries, order)
+
+    def _with_near_misses(self, symmetries: list[Symmetry], order: list[str]) -> list[Row]:
+        """Rows of full matches and near misses; those with more unmet are not looked for if there are rows enough."""
+        near = NearMisses(self._matcher, self._examples, self._query.pattern, self._combining)
+        limit = number_of_rows(self._query.limit)
+        matches: list[Match] = []
+        rows: list[Row] = []
+        for unmet in range((number_of_rows(self._query.relax) or 0) + 1):
+            matches += self._scored(one_of_each(near.with_unmet(unmet), order, symmetries))
+            rows = self._finished(matches, symmetries, order)
+            if limit is not None and len(rows) >= limit:
+                break
+        return rows
 
     def _matches(self, symmetries: list[Symmetry], order: list[str]) -> list[Match]:
         """All matches, options included, one of each set of symmetric ones."""
@@ -142,13 +171,19 @@ class _Answering:
         joined = [frozenset((edge.left, edge.right)) for edge in edges if "PART_OF" in edge.types]
         return is_apart(extended, new, match.elements) and uses_segments_once(extended, objects, joined)
 
-    def _finished(self, matches: list[Match], symmetries: list[Symmetry], order: list[str]) -> list[tuple[Any, ...]]:
+    def _scored(self, matches: list[Match]) -> list[Match]:
+        self._answer_columns(matches)
+        return scored(matches, likened_nodes(self._patterns), self._examples)
+
+    def _finished(self, matches: list[Match], symmetries: list[Symmetry], order: list[str]) -> list[Row]:
+        with self._timed("order, columns"):
+            return self._ordered(matches, symmetries, order)
+
+    def _ordered(self, matches: list[Match], symmetries: list[Symmetry], order: list[str]) -> list[Row]:
         likened = likened_nodes(self._patterns)
         meanings = whole_scope(self._query)
         named = [name for name in order if not name.startswith("#") and meanings[name].is_node]
         rest = [name for name in order if name not in named]
-        self._answer_columns(matches)
-        matches = scored(matches, likened, self._examples)
         self.explanation.counts["matches"] = len(matches)
         if likened and not self._query.keep_all:
             matches = without_overlap(matches, [*named, *rest], likened, symmetries)

@@ -17,6 +17,7 @@ from enfilade.schema.names import hint
 
 from .labels import inferred_labels
 from .query_graph import Column, EdgePattern, Likeness, NodePattern, Pattern, QueryGraph, SortKey
+from .result import UNMET
 from .separation import separated
 from .spelling import FUNCTIONS
 from .syntax import (
@@ -65,6 +66,8 @@ class _Resolver:
             optional.append(resolved)
         columns = tuple(Column(c.name, self._value(c.expression, scope)) for c in query.columns)
         self._check_columns(columns, scope)
+        if query.relax is not None:
+            self._check_free(columns)
         resolved_query = replace(query, pattern=pattern, optional=tuple(optional), columns=columns)
         return replace(resolved_query, order=tuple(self._sort_key(key, resolved_query, scope) for key in query.order))
 
@@ -234,6 +237,12 @@ class _Resolver:
                 self._fail(f'two columns are named "{twice}"; rename one with AS.', columns[-1].expression.place)
             if isinstance(expression, Variable) and expression.name in scope and not scope[expression.name].is_node:
                 self._fail(f'"{expression.name}" is an edge; return its properties, or count it.', expression.place)
+
+    def _check_free(self, columns: tuple[Column, ...]) -> None:
+        """Check that no column has the name of the one that RELAX adds."""
+        taken = next((column for column in columns if column.name == UNMET), None)
+        if taken is not None:
+            self._fail(f'RELAX adds a column named "{UNMET}"; rename yours with AS.', taken.expression.place)
 
     def _sort_key(self, key: SortKey, query: QueryGraph, scope: Scope) -> SortKey:
         columns = {column.name: column.expression for column in query.columns}

@@ -23,7 +23,7 @@ class CypherCompiler(Compiler):
     mark = "$"
 
     def _statement(self, search: Search) -> str:
-        columns = ", ".join(self._returned(column) for column in search.columns)
+        columns = self._columns(search)
         conditions = self._wheres(search)
         where = "\nWHERE " + "\n  AND ".join(conditions) if conditions else ""
         return f"CYPHER 5 MATCH {', '.join(self._parts_of(search.expansion, inner=False))}{where}\nRETURN {columns}"

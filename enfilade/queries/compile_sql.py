@@ -42,7 +42,7 @@ class SqlCompiler(Compiler):
                 f"SQLite joins at most {MOST_TABLES} tables and this pattern needs {len(tables)};"
                 " ask for a smaller one, or use a Neo4j store."
             )
-        columns = ", ".join(self._returned(column) for column in search.columns)
+        columns = self._columns(search)
         conditions = self._joins(search.expansion) + self._wheres(search)
         where = "\nWHERE " + "\n  AND ".join(conditions) if conditions else ""
         return f"SELECT {columns}\nFROM {', '.join(tables)}{where}"

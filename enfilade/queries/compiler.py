@@ -15,6 +15,7 @@ from typing import Any, ClassVar, Final
 from .expansion import Expansion, Point, Route, expansions
 from .kinds import Scope, scope_of
 from .query_graph import Constraint, Equal, Likeness
+from .relaxation import Entry, Holds, Near, ValueCondition
 from .spelling import KEYWORDS
 from .symmetry import inner_symmetries, order_of_appearance, smaller_first
 from .syntax import (
@@ -56,6 +57,15 @@ class Wanted:
 
 
 @dataclass(frozen=True, slots=True)
+class Counted:
+    """Conditions of which from `least` to `most` are unmet in each row; a column each tells which, by 1."""
+
+    conditions: tuple[ValueCondition, ...]
+    least: int
+    most: int
+
+
+@dataclass(frozen=True, slots=True)
 class Search:
     """What one statement looks for.
 
@@ -73,6 +83,8 @@ class Search:
         Pairs of elements of which the first has the smaller id: one of each set of symmetric matches.
     combining
         Names of objects that may be combinations.
+    counted
+        Conditions that may be unmet, in a search for near misses.
     """
 
     expansion: Expansion
@@ -81,6 +93,7 @@ class Search:
     columns: tuple[Wanted, ...]
     smaller: tuple[tuple[str, str], ...]
     combining: frozenset[str]
+    counted: Counted | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,6 +164,11 @@ class Compiler(ABC):
     @abstractmethod
     def _key(self, alias: str) -> str:
         """Return what tells an edge from all others."""
+
+    def _columns(self, search: Search) -> str:
+        """Return the list of columns: what is wanted, then what is unmet."""
+        wanted = [self._returned(column) for column in search.columns]
+        return ", ".join([*wanted, *self._unmet(search)])
 
     def _returned(self, column: Wanted) -> str:
         """Return what stands in the list of columns for one of them."""
@@ -254,7 +272,32 @@ class Compiler(ABC):
     def _wheres(self, search: Search) -> list[str]:
         """Return all conditions of a statement but those that its edges are."""
         tested = [self._condition(condition, search.scope) for condition in search.conditions]
-        return self._all_conditions(search.expansion, inner=False) + tested + self._smaller(search.smaller)
+        found = self._all_conditions(search.expansion, inner=False) + tested + self._smaller(search.smaller)
+        if search.counted is not None and search.counted.most == 0:
+            found += [self._counted(condition, search.scope) for condition in search.counted.conditions]
+        elif search.counted is not None:
+            unmet = " + ".join(self._unmet(search))
+            numbers = range(search.counted.least, search.counted.most + 1)
+            found.append(self._in(f"({unmet})", [str(number) for number in numbers]))
+        return found
+
+    def _unmet(self, search: Search) -> list[str]:
+        """Return, for each condition that may be unmet, 1 where it is not true and 0 where it is."""
+        if search.counted is None or search.counted.most == 0:
+            return []
+        return [
+            f"CASE WHEN {self._counted(condition, search.scope)} THEN 0 ELSE 1 END"
+            for condition in search.counted.conditions
+        ]
+
+    def _counted(self, condition: ValueCondition, scope: Scope) -> str:
+        match condition:
+            case Entry(element, constraint):
+                return self._constraint(self._alias(element.name), constraint)
+            case Near(node, likeness):
+                return self._among(self._of(node.name, "id"), self._parameter(LikeIds(likeness)))
+            case Holds(expression):
+                return self._condition(expression, scope)
 
     def _condition(self, expression: Expression, scope: Scope) -> str:
         match expression:

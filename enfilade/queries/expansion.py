@@ -92,7 +92,13 @@ class Expansion:
     together: tuple[tuple[str, str], ...]
 
 
-def expansions(pattern: Pattern, outer: Scope, combining: frozenset[str], beside: str | None = None) -> list[Expansion]:
+def expansions(
+    pattern: Pattern,
+    outer: Scope,
+    combining: frozenset[str],
+    beside: str | None = None,
+    sharing: frozenset[frozenset[str]] = frozenset(),
+) -> list[Expansion]:
     """Spell out a pattern.
 
     Parameters
@@ -105,10 +111,12 @@ def expansions(pattern: Pattern, outer: Scope, combining: frozenset[str], beside
         Names of objects that may be combinations.
     beside
         A node from outside in whose building the matches lie, where the pattern names none.
+    sharing
+        Pairs of objects that may share segments, beside those that the pattern joins by PART_OF.
     """
     given = given_nodes(pattern, outer)
     choices = product(*(_readings(edge, pattern) for edge in pattern.edges))
-    return [_Spelling(pattern, outer, combining, given, beside).out(choice) for choice in choices]
+    return [_Spelling(pattern, outer, combining, given, beside, sharing).out(choice) for choice in choices]
 
 
 def given_nodes(pattern: Pattern, outer: Scope) -> tuple[str, ...]:
@@ -159,11 +167,13 @@ class _Spelling:
         combining: frozenset[str],
         given: Sequence[str],
         beside: str | None,
+        sharing: frozenset[frozenset[str]],
     ) -> None:
         self._pattern = pattern
         self._outer = outer
         self._combining = combining
         self._beside = beside
+        self._sharing = sharing
         self._points = {name: self._given_point(name) for name in given}
         for node in pattern.nodes:
             self._points[node.name] = self._point(node)
@@ -230,6 +240,7 @@ class _Spelling:
     def _exclusive(self, points: Sequence[Point]) -> Iterator[tuple[str, str]]:
         """Pairs of objects, one of which may be a combination, that the question does not join by PART_OF."""
         joined = {frozenset((link.source, link.target)) for link in self._links if link.type == "PART_OF"}
+        joined |= self._sharing
         for a, b in combinations([point for point in points if point.label == "Object"], 2):
             may_share = a.name in self._combining or b.name in self._combining
             if may_share and not (a.given and b.given) and frozenset((a.name, b.name)) not in joined:

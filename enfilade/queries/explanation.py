@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -70,7 +70,7 @@ class Explanation:
         return "\n".join(lines)
 
 
-def step_of(title: str, compiled: Compiled, after: tuple[Expression, ...]) -> Step:
+def step_of(title: str, compiled: Compiled, after: Sequence[Expression]) -> Step:
     """Return the step that a statement is, before it is run."""
     return Step(title, compiled.text, shown_parameters(compiled.parameters), [expression_text(e) for e in after])
 

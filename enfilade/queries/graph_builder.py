@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Iterator
 from itertools import count
 from typing import Any, Final
@@ -24,7 +23,7 @@ from .query_graph import (
     QueryGraph,
     SortKey,
 )
-from .spelling import function_name, text_of, unquoted
+from .spelling import function_name, text_of, unquoted, without_blanks
 from .syntax import (
     SCORES,
     Arithmetic,
@@ -52,14 +51,14 @@ Branch = Tree[Token]
 MOST_HOPS: Final = 10
 """Longest path that can be asked for."""
 
+TAIL: Final = ("order", "skip", "limit", "per_building", "relax")
+"""Clauses after the columns, in any order, each once at most."""
+
 _DIRECTIONS: Final = {"either": "-", "rightwards": ">", "leftwards": "<"}
 _ARITHMETIC: Final = {"add": "+", "subtract": "-", "multiply": "*", "divide": "/", "modulo": "%", "raise_to": "^"}
 _LOGIC: Final = {"or_": "OR", "and_": "AND", "xor": "XOR"}
 _TEXT_TESTS: Final = {"starts_with": "STARTS WITH", "ends_with": "ENDS WITH", "contains": "CONTAINS"}
 _CONSTANTS: Final = {"true": True, "false": False, "null": None}
-_NOT_CODE: Final = re.compile(
-    r"""('(?:\\.|[^'\\])*'|"(?:\\.|[^"\\])*"|`(?:``|[^`])+`)|(?://[^\n]*|/\*.*?\*/|\s+)+""", re.S
-)
 
 
 class Builder:
@@ -88,7 +87,7 @@ class Builder:
             distinct="DISTINCT" in words,
             keep_all="ALL" in words,
             text=self._source,
-            **self._tail([part for part in _trees(tree) if part.data in ("order", "skip", "limit", "per_building")]),
+            **self._tail([part for part in _trees(tree) if part.data in TAIL]),
         )
 
     def _tail(self, parts: Iterable[Branch]) -> dict[str, Any]:
@@ -110,7 +109,7 @@ class Builder:
         value = _trees(tree)[0]
         alias = _token(tree, "NAME")
         written = self._source[value.meta.start_pos : value.meta.end_pos]
-        return Column(unquoted(alias) if alias else _without_blanks(written), self._expression(value))
+        return Column(unquoted(alias) if alias else without_blanks(written), self._expression(value))
 
     # Patterns
 
@@ -370,7 +369,7 @@ def _token(tree: Branch, type: str) -> Token | None:
 
 
 def _place(tree: Branch) -> Place | None:
-    return None if tree.meta.empty else Place(tree.meta.line, tree.meta.column)
+    return None if tree.meta.empty else Place(tree.meta.line, tree.meta.column, tree.meta.start_pos, tree.meta.end_pos)
 
 
 def _token_place(token: Token) -> Place:
@@ -379,8 +378,3 @@ def _token_place(token: Token) -> Place:
 
 def _number_of(token: Token) -> int | float:
     return int(token) if token.isdigit() else float(token)
-
-
-def _without_blanks(written: str) -> str:
-    """Return the text of a column with comments left out and every run of blanks as one."""
-    return _NOT_CODE.sub(lambda found: found[1] or " ", written).strip()

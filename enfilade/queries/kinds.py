@@ -38,6 +38,9 @@ Scope = Mapping[str, Meaning]
 
 TEXT, NUMBER, TRUTH, LIST, NODE, EDGE, UNKNOWN = "text", "number", "truth value", "list", "node", "edge", "unknown"
 
+MOST_UNMET: Final = 3
+"""Conditions that a near miss may leave unmet at most."""
+
 _SCALARS: Final = (TEXT, NUMBER, TRUTH)
 _NUMERIC_AGGREGATES: Final = ("avg", "sum", "stDev", "percentileCont")
 
@@ -127,11 +130,18 @@ class _Checker:
         for word, number in (("SKIP", query.skip), ("LIMIT", query.limit), ("PER BUILDING", query.per_building)):
             if number is not None:
                 self._check_number_of_rows(word, number)
+        if query.relax is not None:
+            self._check_relax(query.relax)
 
     def _check_number_of_rows(self, word: str, number: Expression) -> None:
         value = getattr(number, "value", None)
         if isinstance(value, bool) or not isinstance(value, int) or value < 0:
             self._fail(f"{word} takes a whole number from 0, not {_shown(value)}.", number.place)
+
+    def _check_relax(self, number: Expression) -> None:
+        value = getattr(number, "value", None)
+        if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= MOST_UNMET:
+            self._fail(f"RELAX takes a whole number from 1 to {MOST_UNMET}, not {_shown(value)}.", number.place)
 
     def _pattern(self, pattern: Pattern, outer: Scope) -> Scope:
         scope = scope_of(pattern, outer)
@@ -162,6 +172,8 @@ class _Checker:
     def _between(self, constraint: Between, property: Property) -> None:
         if not property.kind.numeric:
             self._fail(f"{property.name} is text; a range is for numbers.", constraint.place)
+        if constraint.low is None and constraint.high is None:
+            self._fail(f"the range of {property.name} has no end; give it one, or leave it out.", constraint.place)
         ends = [self._number(end, "the end of a range") for end in (constraint.low, constraint.high) if end is not None]
         if len(ends) == 2 and ends[0] > ends[1]:
             self._fail(

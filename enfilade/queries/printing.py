@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, Final
 
 from .query_graph import Column, Constraint, EdgePattern, Equal, Likeness, NodePattern, Pattern, QueryGraph, SortKey
-from .spelling import quoted, text_in_quotes
+from .spelling import after_colon, quoted, text_in_quotes
 from .syntax import (
     Arithmetic,
     Call,
@@ -39,7 +39,7 @@ def printed(query: QueryGraph) -> str:
     lines.append(" ".join([*words, ", ".join(map(_column, query.columns))]))
     if query.order:
         lines.append(f"ORDER BY {', '.join(map(_sort_key, query.order))}")
-    tail = {"SKIP": query.skip, "LIMIT": query.limit, "PER BUILDING": query.per_building}
+    tail = {"SKIP": query.skip, "LIMIT": query.limit, "PER BUILDING": query.per_building, "RELAX": query.relax}
     lines += [f"{word} {expression_text(number)}" for word, number in tail.items() if number is not None]
     return "\n".join(lines)
 
@@ -71,12 +71,12 @@ def _chains(pattern: Pattern) -> Iterator[str]:
         early = _before(list(new), edge)
         if edge.left != end or early:
             yield from [chain] if chain else []
-            yield from (_node(new.pop(name)) for name in early)
+            yield from (node_text(new.pop(name)) for name in early)
             chain = _mention(edge.left, new)
-        chain += _edge(edge) + _mention(edge.right, new)
+        chain += edge_text(edge) + _mention(edge.right, new)
         end = edge.right
     yield from [chain] if chain else []
-    yield from map(_node, new.values())
+    yield from map(node_text, new.values())
 
 
 def _before(new: list[str], edge: EdgePattern) -> list[str]:
@@ -89,23 +89,29 @@ def _before(new: list[str], edge: EdgePattern) -> list[str]:
 
 
 def _mention(name: str, new: dict[str, NodePattern]) -> str:
-    return _node(new.pop(name)) if name in new else f"({quoted(name)})"
+    return node_text(new.pop(name)) if name in new else f"({quoted(name)})"
 
 
-def _node(node: NodePattern) -> str:
+def node_text(node: NodePattern) -> str:
+    """Return a node as text, in its brackets."""
     name = quoted(node.name) if node.named else ""
-    label = f":{quoted(node.label)}" if node.label else ""
+    label = f":{after_colon(node.label)}" if node.label else ""
     parts = [name + label, _map(node.constraints), _likeness(node.likeness)]
     return f"({' '.join(part for part in parts if part)})"
 
 
-def _edge(edge: EdgePattern) -> str:
+def edge_text(edge: EdgePattern) -> str:
+    """Return an edge as text, without the nodes at its ends."""
     name = quoted(edge.name) if edge.named else ""
-    types = ":" + "|".join(map(quoted, edge.types))
-    hops = f"*{edge.hops[0]}..{edge.hops[1]}" if edge.hops else ""
+    types = ":" + "|".join(map(after_colon, edge.types))
+    hops = _hops(*edge.hops) if edge.hops else ""
     entries = _map(edge.constraints)
     before, after = _ARROWS[edge.direction]
     return f"{before}[{name}{types}{hops}{' ' * bool(entries)}{entries}]{after}"
+
+
+def _hops(low: int, high: int) -> str:
+    return f"*{low}" if low == high else f"*{low}..{high}"
 
 
 def _map(constraints: tuple[Constraint, ...]) -> str:

@@ -174,6 +174,8 @@ class QueryGraph:
         ORDER BY.
     skip, limit, per_building
         Numbers of rows, or None.
+    relax
+        How many conditions a match may leave unmet, or None: all are met.
     text
         What it was parsed from, for error messages.
     """
@@ -187,6 +189,7 @@ class QueryGraph:
     skip: Expression | None = None
     limit: Expression | None = None
     per_building: Expression | None = None
+    relax: Expression | None = None
     text: str | None = field(default=None, compare=False, repr=False)
 
     def __str__(self) -> str:

@@ -2,13 +2,33 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Final
 
 from .explanation import Explanation
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+UNMET: Final = "unmet"
+"""Name of the column that RELAX adds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Unmet:
+    """A condition that a near miss does not meet.
+
+    Attributes
+    ----------
+    condition
+        As the question has it.
+    excess
+        How far off it is: 0 is only just not, 1 is not at all.
+    """
+
+    condition: str
+    excess: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,16 +38,19 @@ class Result:
     Attributes
     ----------
     columns
-        Names, as in RETURN.
+        Names, as in RETURN; after RELAX ``unmet`` behind them.
     rows
         One dict a row; a node is its id.
     explanation
         Statements, counts and times.
+    unmet
+        What each row does not meet, after RELAX; nothing for a full match.
     """
 
     columns: list[str]
     rows: list[dict[str, Any]]
     explanation: Explanation
+    unmet: list[tuple[Unmet, ...]] = field(default_factory=list)
 
     @property
     def explain(self) -> str:

@@ -22,6 +22,7 @@ def with_expressions(query: QueryGraph, change: Change) -> QueryGraph:
         skip=_changed(query.skip, change),
         limit=_changed(query.limit, change),
         per_building=_changed(query.per_building, change),
+        relax=_changed(query.relax, change),
     )
 
 

@@ -11,6 +11,9 @@ FUNCTIONS: Final = (*AGGREGATES, "like", "object")
 """Every function of the language."""
 
 _PLAIN_NAME: Final = re.compile(r"[^\W\d]\w*")
+_NOT_CODE: Final = re.compile(
+    r"""('(?:\\.|[^'\\])*'|"(?:\\.|[^"\\])*"|`(?:``|[^`])+`)|(?://[^\n]*|/\*.*?\*/|\s+)+""", re.S
+)
 _ESCAPE: Final = re.compile(r"\\(u[0-9A-Fa-f]{4}|U[0-9A-Fa-f]{8}|.)", re.S)
 _ESCAPED: Final = {"\\": "\\", "'": "'", '"': '"', "`": "`", "b": "\b", "f": "\f", "n": "\n", "r": "\r", "t": "\t"}
 _FOLDED_FUNCTIONS: Final = {name.casefold(): name for name in FUNCTIONS}
@@ -18,8 +21,8 @@ _FOLDED_FUNCTIONS: Final = {name.casefold(): name for name in FUNCTIONS}
 KEYWORDS: Final = frozenset(
     re.findall(
         r"\w+",
-        "match optional where return like within at as order by skip limit per building or xor and not starts ends with"
-        " contains in is null true false all distinct asc ascending desc descending",
+        "match optional where return like within at as order by skip limit per building relax or xor and not starts"
+        " ends with contains in is null true false all distinct asc ascending desc descending",
     )
 )
 """Words that are read as themselves where a name could stand; such a name is written in backquotes."""
@@ -35,6 +38,11 @@ def quoted(name: str) -> str:
     if _PLAIN_NAME.fullmatch(name) and name.casefold() not in KEYWORDS:
         return name
     return "`" + name.replace("`", "``") + "`"
+
+
+def after_colon(name: str) -> str:
+    """Return a label or an edge type as it is written; after the colon a keyword is a name."""
+    return name if _PLAIN_NAME.fullmatch(name) else quoted(name)
 
 
 def function_name(written: str) -> str:
@@ -58,6 +66,11 @@ def text_in_quotes(text: str) -> str:
     """Return a text as it is written in a question."""
     backslashed = {value: f"\\{letter}" for letter, value in _ESCAPED.items() if letter not in '"`'}
     return "'" + "".join(backslashed.get(letter, letter) for letter in text) + "'"
+
+
+def without_blanks(written: str) -> str:
+    """Return a piece of a question with comments left out and every run of blanks as one."""
+    return _NOT_CODE.sub(lambda found: found[1] or " ", written).strip()
 
 
 def _unescape(found: re.Match[str]) -> str:

@@ -23,10 +23,12 @@ SCORES: Final = ("score", "mean_score")
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where something stands in the text; both are counted from 1."""
+    """Where something stands in the text: line and column, counted from 1, and its first and last offset."""
 
     line: int
     column: int
+    start: int | None = None
+    end: int | None = None
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Final
+
+EXCESS_DECIMALS: Final = 6
+"""How far off a near miss is counts to this many decimals."""
 
 
 @dataclass(slots=True)
@@ -44,17 +48,33 @@ class Match:
         Results of subqueries that the store did not test, by the subquery's identity.
     score, mean_score
         Likeness; set when all elements are known.
+    unmet
+        Numbers of the conditions that do not hold, of a near miss.
+    excesses
+        How far off each of them is.
     """
 
     elements: dict[str, Element | None]
     answers: dict[int, bool | int] = field(default_factory=dict)
     score: float = 0.0
     mean_score: float = 0.0
+    unmet: tuple[int, ...] = ()
+    excesses: tuple[float, ...] = ()
 
     def id_of(self, name: str) -> Any:
         """Id of the element behind a name, or None."""
         element = self.elements.get(name)
         return None if element is None else element.id
+
+    @property
+    def rank(self) -> tuple[int, float, float]:
+        """What a match sorts by: conditions unmet, how far off they are, and its score, best first."""
+        return (*self.miss, -self.score)
+
+    @property
+    def miss(self) -> tuple[int, float]:
+        """Number of conditions unmet, and how far off they are together."""
+        return len(self.unmet), round(math.fsum(self.excesses), EXCESS_DECIMALS) + 0.0
 
     @property
     def building(self) -> str:

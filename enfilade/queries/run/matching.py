@@ -106,8 +106,8 @@ class Matcher:
         told, after = split_conditions(pattern, outer)
         groups: dict[Any, list[dict[str, Element]]] = {}
         for expansion in expansions(pattern, outer, self._combining):
-            search = Search(expansion, scope, told, self._columns(expansion), smaller, self._combining)
-            for found in self._found(search, after, title, self._given_ids(given, matches)):
+            search = Search(expansion, scope, told, self.columns(expansion), smaller, self._combining)
+            for found, _ in self.found(search, after, title, self._given_ids(given, matches)):
                 key = self._key(given, found) if outer else None
                 groups.setdefault(key, []).append({n: e for n, e in found.items() if n not in given})
         extensions = [
@@ -133,7 +133,8 @@ class Matcher:
             return None
         return tuple(match.id_of(name) for name in given) if given else match.building
 
-    def _columns(self, expansion: Expansion) -> tuple[Wanted, ...]:
+    def columns(self, expansion: Expansion) -> tuple[Wanted, ...]:
+        """Return what must come back of a pattern: the elements, and those of their properties that are needed."""
         columns = []
         for element in [
             *(point.name for point in expansion.points),
@@ -145,9 +146,22 @@ class Matcher:
 
     # Statements and rows
 
-    def _found(
-        self, search: Search, after: tuple[Expression, ...], title: str, given: Mapping[str, list[str]]
-    ) -> Iterator[dict[str, Element]]:
+    def found(
+        self, search: Search, after: Sequence[Expression], title: str, given: Mapping[str, list[str]]
+    ) -> Iterator[tuple[dict[str, Element], tuple[int, ...]]]:
+        """Run one statement; yields the elements behind the names, and 1 for each counted condition that is unmet.
+
+        Parameters
+        ----------
+        search
+            What to look for.
+        after
+            Conditions that are tested on the rows, for the explanation.
+        title
+            How an explanation calls it.
+        given
+            Ids of the nodes from outside.
+        """
         compiled = compile_sql(search) if self._store.dialect == "sql" else compile_cypher(search)
         step = step_of(title, compiled, after)
         self._explanation.steps.append(step)
@@ -164,7 +178,7 @@ class Matcher:
             elements = self._elements(search, row)
             if all(elements[name].id in ids for name, ids in limits.items()):
                 step.kept += 1
-                yield elements
+                yield elements, tuple(row[len(search.columns) :])
         step.seconds = time.perf_counter() - compared
 
     def _rows(self, text: str, parameters: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
@@ -204,7 +218,7 @@ class Matcher:
         elements: dict[str, Element] = {}
         types = {link.name: EDGE_PROPERTIES[link.type] for link in search.expansion.links}
         labels = {point.name: NODE_PROPERTIES[point.label] for point in search.expansion.points}
-        for column, value in zip(search.columns, row, strict=True):
+        for column, value in zip(search.columns, row, strict=False):
             name = column.element
             if column.property == "id":
                 elements[name] = self._node(value) if name in labels else Element(value, is_node=False)

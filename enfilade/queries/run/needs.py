@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from enfilade.queries.binding import free_variables
 from enfilade.queries.kinds import Scope, scope_of, whole_scope
 from enfilade.queries.query_graph import Pattern, QueryGraph
+from enfilade.queries.relaxation import Entry, Holds, conditions_of
 from enfilade.queries.sayable import sayable
 from enfilade.queries.syntax import Expression, PropertyOf, Subquery, conjuncts, walk
 
@@ -39,9 +40,20 @@ def _uses(query: QueryGraph) -> Iterator[tuple[str, str]]:
     for pattern in (query.pattern, *query.optional):
         yield from _in_pattern(pattern, scope)
         scope = scope_of(pattern, scope)
+    if query.relax is not None:
+        yield from _for_excess(query.pattern)
     whole = whole_scope(query)
     for expression in (*(c.expression for c in query.columns), *(k.expression for k in query.order)):
         yield from _in_expression(expression, whole)
+
+
+def _for_excess(pattern: Pattern) -> Iterator[tuple[str, str]]:
+    """Properties that tell how far off an unmet condition is."""
+    for condition in conditions_of(pattern):
+        if isinstance(condition, Entry):
+            yield condition.element.name, condition.constraint.property
+        elif isinstance(condition, Holds):
+            yield from _in_expression(condition.expression, scope_of(pattern, {}))
 
 
 def _in_pattern(pattern: Pattern, outer: Scope) -> Iterator[tuple[str, str]]:

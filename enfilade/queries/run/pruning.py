@@ -70,7 +70,7 @@ def without_overlap(
     matches: list[Match], order: Sequence[str], likened: Likened, symmetries: Sequence[Symmetry]
 ) -> list[Match]:
     """Keep the best of matches that agree but for likened objects that share segments (§6.2, §7)."""
-    ranked = sorted(matches, key=lambda match: (-match.score, ids_key(match, order)))
+    ranked = sorted(matches, key=lambda match: (match.rank, ids_key(match, order)))
     objects = [name for name in order if name in likened]
     nodes = [name for name in order if name not in likened]
     kept: list[Match] = []

@@ -20,18 +20,18 @@ from .values import plain, value_of
 
 
 @dataclass(slots=True)
-class _Row:
-    """A row of the answer, what it is ordered by, and the building that it counts for."""
+class Row:
+    """A row of the answer, what it is ordered by, and the match whose building and unmet conditions it has, if any."""
 
     values: tuple[Any, ...]
     key: tuple[Any, ...]
-    building: str | None
+    match: Match | None
 
 
 def ranked(matches: list[Match], named: Sequence[str], rest: Sequence[str]) -> list[Match]:
-    """Order matches by score, best first; ties by the ids of the named nodes, then of everything else."""
+    """Order matches: full ones by score, best first, then near misses; ties by ids, those of the named nodes first."""
     order = [*named, *rest]
-    return sorted(matches, key=lambda match: (-match.score, ids_key(match, order)))
+    return sorted(matches, key=lambda match: (match.rank, ids_key(match, order)))
 
 
 def check_rows(query: QueryGraph) -> None:
@@ -42,17 +42,21 @@ def check_rows(query: QueryGraph) -> None:
     QuestionError
         If a column mixes an aggregate with what is not grouped.
     UnsupportedError
-        If rows are limited by building, but are of none.
+        If rows are limited by building, but are of none, or are of near misses that could not be told apart.
     """
     check_grouping(query.columns)
+    if query.relax is not None and _aggregated(query):
+        raise UnsupportedError("RELAX does not go with aggregates, which would count near misses as matches.")
+    if query.relax is not None and query.optional:
+        raise UnsupportedError("RELAX does not go with OPTIONAL MATCH; put what may be missing into MATCH.")
     if query.per_building is not None and _aggregated(query):
         raise UnsupportedError(
             "PER BUILDING does not go with aggregates, whose rows are of no one building; use LIMIT."
         )
 
 
-def rows_of(query: QueryGraph, matches: list[Match], named: Sequence[str], examples: Examples) -> list[tuple[Any, ...]]:
-    """Return the rows of the answer, one tuple each.
+def rows_of(query: QueryGraph, matches: list[Match], named: Sequence[str], examples: Examples) -> list[Row]:
+    """Return the rows of the answer.
 
     Parameters
     ----------
@@ -67,32 +71,32 @@ def rows_of(query: QueryGraph, matches: list[Match], named: Sequence[str], examp
     """
     if _aggregated(query):
         groups = grouped(matches, query.columns, examples)
-        rows = [_Row(values, _key_of_values(query, values, match, examples), None) for values, match in groups]
+        rows = [Row(values, _key_of_values(query, values, match, examples), None) for values, match in groups]
     else:
         rows = [_row(query, match, named, examples) for match in matches]
         if query.distinct:
             rows = _distinct(rows)
     rows.sort(key=lambda row: row.key)
-    kept = _per_building(rows, _number(query.per_building))
-    start, count = _number(query.skip) or 0, _number(query.limit)
-    return [row.values for row in kept[start : None if count is None else start + count]]
+    kept = _per_building(rows, number_of_rows(query.per_building))
+    start, count = number_of_rows(query.skip) or 0, number_of_rows(query.limit)
+    return kept[start : None if count is None else start + count]
 
 
 def _aggregated(query: QueryGraph) -> bool:
     return any(aggregates(column.expression) for column in query.columns)
 
 
-def _row(query: QueryGraph, match: Match, named: Sequence[str], examples: Examples) -> _Row:
+def _row(query: QueryGraph, match: Match, named: Sequence[str], examples: Examples) -> Row:
     values = tuple(plain(value_of(column.expression, match, examples)) for column in query.columns)
     if query.distinct:
-        return _Row(values, _key_of_values(query, values, match, examples), match.building)
+        return Row(values, (match.miss, _key_of_values(query, values, match, examples)), match)
     asked = [_directed(value_of(k.expression, match, examples), k.descending) for k in query.order]
     score = () if query.order else (-match.score,)
-    return _Row(values, (*asked, *score, ids_key(match, named), *map(sortable, values)), match.building)
+    return Row(values, (match.miss, *asked, *score, ids_key(match, named), *map(sortable, values)), match)
 
 
-def _distinct(rows: Iterable[_Row]) -> list[_Row]:
-    found: dict[Any, _Row] = {}
+def _distinct(rows: Iterable[Row]) -> list[Row]:
+    found: dict[Any, Row] = {}
     for row in rows:
         found.setdefault(hashable(list(row.values)), row)
     return list(found.values())
@@ -158,19 +162,21 @@ class _Reversed:
     __hash__ = None  # type: ignore[assignment]
 
 
-def _per_building(rows: list[_Row], count: int | None) -> list[_Row]:
+def _per_building(rows: list[Row], count: int | None) -> list[Row]:
     if count is None:
         return rows
     seen: dict[str | None, int] = {}
     kept = []
     for row in rows:
-        seen[row.building] = seen.get(row.building, 0) + 1
-        if seen[row.building] <= count:
+        building = None if row.match is None else row.match.building
+        seen[building] = seen.get(building, 0) + 1
+        if seen[building] <= count:
             kept.append(row)
     return kept
 
 
-def _number(expression: Expression | None) -> int | None:
+def number_of_rows(expression: Expression | None) -> int | None:
+    """Return the number behind LIMIT and its like, or None where there is none."""
     if expression is None:
         return None
     assert isinstance(expression, Literal)
