@@ -86,17 +86,40 @@ def extent(positions: F32 | F64) -> tuple[F64, F64]:
 def tile_rectangles(cells: Bool) -> I64:
     """``(k, 4) int64`` first and past-last row and column of rectangles that tile the cells that are True.
 
-    Runs of cells along a row, then equal runs in successive rows made one: a wall takes few rectangles.
+    Runs of cells along a row, then equal runs in successive rows made one: a wall takes few rectangles. They are
+    ordered by first and past-last column, then row.
     """
-    edges = np.diff(np.pad(cells, ((0, 0), (1, 1))).astype(np.int8), axis=1)
-    row, first = np.nonzero(edges == 1)
-    past = np.nonzero(edges == -1)[1]
-    order = np.lexsort((row, past, first))
-    row, first, past = row[order], first[order], past[order]
-    begins = np.ones(len(row), bool)
-    begins[1:] = (np.diff(row) != 1) | (np.diff(first) != 0) | (np.diff(past) != 0)
-    ends = np.roll(begins, -1)
-    return np.stack([row[begins], row[ends] + 1, first[begins], past[begins]], axis=1)
+    found = _tiles(cells)
+    return np.asarray(found[np.lexsort((found[:, 0], found[:, 3], found[:, 2]))])
+
+
+@njit(cache=True, nogil=True)
+def _tiles(cells: Bool) -> I64:
+    """Find rectangles row by row: those that end above a row, and those that a run in it begins or goes on with."""
+    rows, columns = cells.shape
+    tiles, count = np.empty((rows + 1, 4), np.int64), 0
+    begun = np.full(columns, -1, np.int64)  # tile whose run begins in a column of the row before
+    for row in range(rows):
+        column = 0
+        while column < columns:
+            before, begun[column] = begun[column], -1
+            if not cells[row, column]:
+                column += 1
+                continue
+            past = column + 1
+            while past < columns and cells[row, past]:
+                begun[past] = -1
+                past += 1
+            if before < 0 or tiles[before, 3] != past:
+                if count == len(tiles):
+                    tiles = np.concatenate((tiles, np.empty_like(tiles)))
+                before = count
+                tiles[count] = row, row, column, past
+                count += 1
+            tiles[before, 1] = row + 1
+            begun[column] = before
+            column = past
+    return tiles[:count]
 
 
 @njit(cache=True, nogil=True)
