@@ -8,7 +8,6 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 from scipy import ndimage, sparse
-from scipy.spatial import cKDTree
 
 from .cells import CellGrid, Gathered, neighbour_rows
 from .moments import MOMENTS, add_point, fit_plane
@@ -270,35 +269,87 @@ def _merge_fragments(surfels: Surfels, plane: I32, parameters: PlaneParameters) 
     if count == 0:
         return plane
     size = np.bincount(plane[plane >= 0], minlength=count)
-    a, b = _pairs_nearby(surfels, plane, parameters.merge_gap_m)
-    small, large = np.where(size[a] < size[b], (a, b), (b, a))
     normals, centres = _fit(surfels.positions, surfels.normals, plane)
-    cosine = np.einsum("ij,ij->i", normals[small], normals[large])
-    height = np.einsum("ij,ij->i", normals[large], centres[small] - centres[large])
-    same = (cosine > np.cos(np.radians(parameters.merge_angle_deg))) & (abs(height) < parameters.merge_distance_m)
-    links = sparse.coo_array((np.ones(same.sum(), np.int8), (small[same], large[same])), shape=(count, count))
+    cosine = float(np.cos(np.radians(parameters.merge_angle_deg)))
+    fit = size, normals, centres, cosine, parameters.merge_distance_m
+    boxes = _boxes(surfels.positions, plane, parameters.merge_gap_m)
+    pairs = np.concatenate(in_slices(_fragments, len(boxes[0]), *boxes, parameters.merge_gap_m, *fit))
+    links = sparse.coo_array((np.ones(len(pairs), np.int8), tuple(pairs.T)), shape=(count, count))
     merged = sparse.csgraph.connected_components(links, directed=False)[1]
     rank = np.argsort(np.argsort(-np.bincount(merged, size), kind="stable"))
     return np.where(plane >= 0, rank[merged[plane]], -1).astype(np.int32)
 
 
-def _pairs_nearby(surfels: Surfels, plane: I32, gap_m: float) -> tuple[I64, I64]:
-    """Pairs of planes of which some surfels lie within `gap_m` of each other, told by boxes around those of a cell."""
+def _boxes(positions: F32, plane: I32, gap_m: float) -> tuple[I64, I64, I32, I64, F32, F32]:
+    """Boxes around the surfels of a patch in each cell, ``(n,)``, sorted so that those within a gap are found.
+
+    Returns
+    -------
+    Keys of a grid so coarse that boxes within a gap are in one cell or in neighbours, with the offsets and rows of
+    `neighbour_rows`; patch, least and greatest coordinates of each box.
+    """
     on_plane = np.flatnonzero(plane >= 0)
-    grid = CellGrid.around(surfels.positions, gap_m / 2.0)
-    cells = Gathered.by(grid.keys(surfels.positions[on_plane], plane[on_plane]))
+    grid = CellGrid.around(positions, gap_m / 2.0)
+    cells = Gathered.by(grid.keys(positions[on_plane], plane[on_plane]))
     low, high = np.empty((len(cells), 3), np.float32), np.empty((len(cells), 3), np.float32)
-    in_slices(_box, len(cells), low, high, surfels.positions, on_plane[cells.order], cells.bounds)
-    widest = float(np.linalg.norm(high - low, axis=1).max())
-    one, other = cKDTree((low + high) / 2.0).query_pairs(gap_m + widest, output_type="ndarray").T
-    owner = cells.keys // grid.size
-    differ = owner[one] != owner[other]
-    one, other = one[differ], other[differ]
-    apart = np.maximum(np.maximum(low[one] - high[other], low[other] - high[one]), 0.0)
-    near = np.einsum("ij,ij->i", apart, apart) <= gap_m**2
-    a, b = owner[one[near]], owner[other[near]]
-    a, b = np.divmod(np.unique(np.minimum(a, b) * (1 << 32) + np.maximum(a, b)), 1 << 32)
-    return a, b
+    in_slices(_box, len(cells), low, high, positions, on_plane[cells.order], cells.bounds)
+    coarse = CellGrid.around(low, 1.5 * gap_m)
+    keys, offsets = coarse.keys(low), coarse.row_offsets()
+    order = Gathered.by(keys).order
+    keys = keys[order]
+    return keys, offsets, neighbour_rows(keys, offsets), (cells.keys // grid.size)[order], low[order], high[order]
+
+
+@njit(cache=True, nogil=True)
+def _fragments(
+    first: int,
+    past: int,
+    keys: I64,
+    offsets: I64,
+    rows: I32,
+    patch: I64,
+    low: F32,
+    high: F32,
+    gap_m: float,
+    size: I64,
+    normals: F64,
+    centres: F64,
+    cosine: float,
+    distance_m: float,
+) -> I64:
+    """``(k, 2)`` pairs of patches on one plane of which boxes lie within a gap, told by boxes `first` to `past`."""
+    n = len(keys)
+    pairs, count = np.empty((64, 2), np.int64), 0
+    joined = np.full(len(size), -1, np.int64)
+    for i in range(first, past):
+        a = patch[i]
+        for k in range(9):
+            at = rows[i, k]
+            while at < n and keys[at] <= keys[i] + offsets[k] + 2:
+                b = patch[at]
+                if a < b and joined[b] != a and _on_one_plane(a, b, size, normals, centres, cosine, distance_m):
+                    apart = 0.0
+                    for axis in range(3):
+                        apart += max(low[i, axis] - high[at, axis], low[at, axis] - high[i, axis], 0.0) ** 2
+                    if apart <= gap_m**2:
+                        if count == len(pairs):
+                            pairs = np.concatenate((pairs, np.empty_like(pairs)))
+                        pairs[count] = a, b
+                        joined[b] = a
+                        count += 1
+                at += 1
+    return pairs[:count]
+
+
+@njit(cache=True, nogil=True)
+def _on_one_plane(a: int, b: int, size: I64, normals: F64, centres: F64, cosine: float, distance_m: float) -> bool:
+    """Whether two patches of one side lie on the plane of the larger one, of equals the one named first."""
+    small, large = (a, b) if size[a] < size[b] else (b, a)
+    along, height = 0.0, 0.0
+    for axis in range(3):
+        along += normals[small, axis] * normals[large, axis]
+        height += normals[large, axis] * (centres[small, axis] - centres[large, axis])
+    return bool(along > cosine and abs(height) < distance_m)
 
 
 @njit(cache=True, nogil=True)
