@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 
 from enfilade.faces import WallFaces
 
-from .cells import CellGrid, Gathered, members_of
+from .cells import CellGrid, Gathered, extent, members_of
 from .outlines import Outline, OutlineParameters, draw_outline
 from .parallel import at_once
 from .records import F32, I32, Bool, Plan, Planes, RoomLabels, Surfels, ThinnedCloud
@@ -228,13 +228,21 @@ def _outline(
     highest = np.inf if ceiling is None else ceiling + _ONE_LEVEL_M
     own = ((level & (np.abs(below) < _ONE_LEVEL_M)) | parts.slope) & (parts.positions[:, 2] < highest)
     by_floor = strip | (parts.plane == floor)
-    covers = (level & strip) | parts.slope
-    whole = _drawn(parts, covers | (level & by_floor), upper_wall, by_floor, faces, own, parameters.outline)
-    covers |= parts.roofed
-    if not covers.any():
-        return whole
-    upper = _drawn(parts, covers, upper_wall, strip | parts.roofed, faces, own, parameters.outline)
-    return upper if upper.area >= parameters.least_ceiling * whole.area else whole
+    covers = (level & strip) | parts.slope | parts.roofed
+    upper = None
+    if covers.any():
+        upper = _drawn(parts, covers, upper_wall, strip | parts.roofed, faces, own, parameters.outline)
+        if upper.area >= parameters.least_ceiling * _most_area(parts.positions[by_floor], parameters.outline):
+            return upper
+    covers = (level & by_floor) | parts.slope
+    whole = _drawn(parts, covers, upper_wall, by_floor, faces, own, parameters.outline)
+    return upper if upper is not None and upper.area >= parameters.least_ceiling * whole.area else whole
+
+
+def _most_area(positions: F32, parameters: OutlineParameters) -> float:
+    """Area of the box in plan around positions and the gaps beside them: no outline by these is larger, m²."""
+    low, high = extent(positions[:, :2])
+    return float(np.prod(high - low + 2.0 * parameters.gap_m))
 
 
 def _faces(planes: Planes, parts: _Parts, wall: Bool) -> WallFaces:
