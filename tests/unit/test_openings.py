@@ -305,6 +305,19 @@ def test_rooms_on_the_two_sides_of_a_hall_without_scans_have_no_door_between_the
     assert {(opening.room_a, opening.room_b) for opening in found} <= {(0, None), (1, None)}
 
 
+def test_a_door_that_is_only_looked_through_from_a_third_room_is_found():
+    """The scanner stands behind the door opposite: no ray begins in one of the two rooms and ends in the other."""
+    scene = BoxScene()
+    scene.room(0, (0, 0, 0), (4, 3, 2.5), holes={"x0": [DOOR], "x1": [DOOR]})
+    scene.room(1, (4.2, 0, 0), (8, 3, 2.5), holes={"x0": [DOOR]})
+    scene.room(2, (-4, 0, 0), (-0.2, 3, 2.5), holes={"x1": [DOOR]})
+    scene.scanners = [((-1.5, 1.4, 1.5), 2)]
+    found, *_ = openings_of(scene)
+    assert {(door.kind, door.room_a, door.room_b) for door in found} >= {("door", 0, 1), ("door", 0, 2)}
+    (door,) = [opening for opening in found if (opening.room_a, opening.room_b) == (0, 1)]
+    np.testing.assert_allclose(door.position[:2], [4.1, 1.45], atol=0.11)  # in the face of the wall that was seen
+
+
 def test_points_too_sparse_to_tell_their_room_do_not_hide_the_one_that_a_door_leads_to():
     """As at the far end of a corridor: three points of four behind the door belong to no surfel."""
     scene = two_rooms(holes=[DOOR])

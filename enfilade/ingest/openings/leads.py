@@ -136,18 +136,23 @@ def without_rivals(groups: Sequence[Group], settled: Sequence[Group], max_gap_m:
 
 
 def through(group: Group, rays: Rays) -> I32:
-    """Return the rays that join the two rooms through any of the holes, each once."""
-    ray = np.unique(np.concatenate([lead.hole.ray for lead in group.leads]))
-    from_room, to_room = rays.from_room[ray], rays.to_room[ray]
-    a, b = group.pair
-    joins = ((from_room == a) & (to_room == b)) | ((from_room == b) & (to_room == a))
-    return np.asarray(ray[joins], dtype=np.int32)
+    """Return the rays that go through any of the holes from or to the room that the hole leads to, each once.
+
+    Their other end need not be in the room on this side: a scanner may look through two doors at once.
+    """
+    leading = [lead.hole.ray[_far_rooms(lead.hole, rays) == lead.other] for lead in group.leads]
+    return np.asarray(np.unique(np.concatenate(leading)), dtype=np.int32)
+
+
+def _far_rooms(hole: Hole, rays: Rays) -> I32:
+    """``(k,)`` room at the end behind a hole of each ray through it, -1 for none."""
+    return np.asarray(np.where(hole.outbound, rays.to_room[hole.ray], rays.from_room[hole.ray]), dtype=np.int32)
 
 
 def _lead(hole: Hole, rays: Rays, plans: Mapping[int, Polygon | None], parameters: OpeningParameters) -> Lead | None:
     """Ask the rays through a hole which room is behind it; None if it is the room itself, or none that begins there."""
     room = hole.side.room
-    far = np.where(hole.outbound, rays.to_room[hole.ray], rays.from_room[hole.ray])
+    far = _far_rooms(hole, rays)
     weight = np.exp(-hole.beyond / NEAR_M)
     weight[hole.beyond < parameters.max_gap_m] = 0.0  # on the reveal, which has no say
     far = known_by_plan(far, weight > 0.0, rays.ends(hole.ray), plans)
