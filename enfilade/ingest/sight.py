@@ -65,7 +65,7 @@ class SightParameters:
     wall_m: float = 0.6
     piece_m: float = 0.1
     least_wall_m: float = 0.5
-    door_head_m: float = 0.75
+    door_head_m: float = 0.65
     wide_m: float = 2.2
 
 
@@ -136,13 +136,12 @@ def _levelled(scanners: F32, viewpoints: F32, pairs: I64, door_head_m: float) ->
     """Add viewpoints so that the two of each pair are equally high, under the lower of their ceilings.
 
     Returns all viewpoints, first those given, and ``(n, 2)`` which of them are compared for each pair. None is let down
-    below the scanners of its pair or the head of a door, as where one stood under a flight of stairs; the two stay
-    where they are instead.
+    below the scanners of its pair or the head of a door, not even where the other stood under a flight of stairs.
     """
     height, stand = viewpoints[:, 2][pairs], scanners[:, 2][pairs]
     least = np.maximum(stand.max(axis=1, initial=-np.inf), stand.min(axis=1, initial=np.inf) + door_head_m)
-    low = height.min(axis=1, initial=np.inf)
-    pair, end = np.nonzero((height > low[:, None] + _LEVEL_STEP_M) & (low >= least)[:, None])
+    low = np.maximum(height.min(axis=1, initial=np.inf), least)
+    pair, end = np.nonzero(height > low[:, None] + _LEVEL_STEP_M)
     level = np.round(low / _LEVEL_STEP_M).astype(np.int64)
     asked, place = np.unique(np.stack([pairs[pair, end], level[pair]], axis=1), axis=0, return_inverse=True)
     more = viewpoints[asked[:, 0]]
@@ -223,7 +222,8 @@ def _openness(
         return float("nan") if blind else 1.0
     border = _border(structure, viewpoints, (a, b), here, there, normal, offset, parameters)
     if blind:
-        return float("nan") if border.holes_m().max() >= parameters.wide_m else 0.0
+        short = len(border.along) * parameters.piece_m < parameters.least_wall_m
+        return float("nan") if short or border.holes_m().max() >= parameters.wide_m else 0.0
     through = _places_on(lines, crosses & seen, normal, offset)
     if len(through) and border.hole_at(float(np.median(through))) >= parameters.wide_m:
         return 1.0
