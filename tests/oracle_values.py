@@ -14,7 +14,7 @@ from enfilade.queries.query_graph import EdgePattern, Equal, NodePattern, QueryG
 from enfilade.queries.syntax import Call, Expression, Literal, PropertyOf, Variable, children
 from enfilade.schema.graph import BuildingGraph, Node
 
-AGGREGATES = ("count", "avg", "min", "max", "sum", "collect", "stDev", "percentileCont")
+AGGREGATES = ("count", "avg", "min", "max", "sum", "collect", "stDev", "stDevP", "percentileCont", "percentileDisc")
 
 
 def compare(operator: str, a: Any, b: Any) -> bool | None:
@@ -177,10 +177,14 @@ class Values:
             return len(values) if call.function == "count" else values
         if call.function == "sum":
             return sum(values) if all(isinstance(v, int) for v in values) else math.fsum(values)
-        if call.function == "stDev":
-            return statistics.stdev(values) if len(values) > 1 else 0.0
         if not values:
             return None
+        if call.function == "stDev":
+            return statistics.stdev(values) if len(values) > 1 else 0.0
+        if call.function == "stDevP":
+            return statistics.pstdev(values)
+        if call.function == "percentileDisc":
+            return np.quantile(values, call.arguments[1].value, method="inverted_cdf").item()
         if call.function == "percentileCont":
             return float(np.quantile(values, call.arguments[1].value))
         return {"avg": statistics.fmean, "min": min, "max": max}[call.function](values)

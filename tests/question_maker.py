@@ -450,7 +450,8 @@ class QuestionMaker:
         number, name = self.number(), rng.choice(list(self.labels))
         functions = ["count(*)", f"count(DISTINCT {name})", f"avg({number})", f"min({number})", f"max({number})"]
         functions += [f"sum({number})", f"collect({number})", f"collect(DISTINCT {name})", f"stDev({number})"]
-        functions += [f"percentileCont({number}, 0.4)", f"count({number})", "min(score)"]
+        functions += [f"percentileCont({number}, 0.4)", f"percentileDisc({number}, 0.5)", f"stDevP({number})"]
+        functions += [f"count({number})", "min(score)"]
         columns = [*keys, *rng.sample(functions, rng.randint(1, 3))]
         rng.shuffle(columns)
         text = f"RETURN {', '.join(columns)}"

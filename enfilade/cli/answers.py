@@ -88,14 +88,21 @@ def _csv(columns: Sequence[str], rows: Sequence[dict[str, Any]]) -> str:
 
 
 def _parquet(columns: Sequence[str], rows: Sequence[dict[str, Any]]) -> bytes:
-    import pandas as pd
+    """Return a Parquet file; whole numbers stay whole where some are missing."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
 
+    from enfilade.queries.result import UNMET
+
+    types = {UNMET: pa.list_(pa.string())}
+    file = pa.BufferOutputStream()
     try:
-        content: bytes = pd.DataFrame(list(rows), columns=list(columns)).to_parquet(None)
+        arrays = [pa.array([row[column] for row in rows], types.get(column)) for column in columns]
+        pq.write_table(pa.table(arrays, names=list(columns)), file)
     except (ValueError, TypeError, NotImplementedError) as error:  # bases of what Arrow raises
         reason = str(error).splitlines()[0].rstrip(".")
         raise UnsupportedError(f"Parquet cannot hold this answer ({reason}); use --format json.") from error
-    return content
+    return bytes(file.getvalue())
 
 
 def _write(path: Path, content: bytes) -> None:

@@ -21,6 +21,7 @@ from .result import UNMET
 from .separation import separated
 from .spelling import FUNCTIONS
 from .syntax import (
+    PERCENTILES,
     SCORES,
     Call,
     Expression,
@@ -39,7 +40,7 @@ from .vocabulary import EDGE_TYPES, OPENING_EDGES, Meaning, edge_meaning, may_po
 
 Scope = Mapping[str, Meaning]
 
-_ARGUMENTS = {"like": 2, "object": 1, "percentileCont": 2}
+_ARGUMENTS = {"like": 2, "object": 1, **dict.fromkeys(PERCENTILES, 2)}
 
 
 def resolve(query: QueryGraph) -> QueryGraph:

@@ -14,6 +14,7 @@ from enfilade.schema.definition import Kind, Property
 
 from .query_graph import Between, Constraint, Equal, Likeness, Pattern, QueryGraph
 from .syntax import (
+    PERCENTILES,
     Arithmetic,
     Call,
     Comparison,
@@ -42,7 +43,7 @@ MOST_UNMET: Final = 3
 """Conditions that a near miss may leave unmet at most."""
 
 _SCALARS: Final = (TEXT, NUMBER, TRUTH)
-_NUMERIC_AGGREGATES: Final = ("avg", "sum", "stDev", "percentileCont")
+_NUMERIC_AGGREGATES: Final = ("avg", "sum", "stDev", "stDevP", *PERCENTILES)
 
 
 def check_kinds(query: QueryGraph) -> None:
@@ -255,7 +256,7 @@ class _Checker:
             self._expect((NUMBER,), arguments[:1], function, scope)
         if function in ("min", "max"):
             self._expect((TEXT, NUMBER), arguments, function, scope)
-        if function == "percentileCont" and not 0 <= self._number(arguments[1], "the percentile") <= 1:
+        if function in PERCENTILES and not 0 <= self._number(arguments[1], "the percentile") <= 1:
             self._fail("the percentile is a number from 0 to 1.", arguments[1].place)
         if function == "collect" and kind_of(arguments[0], scope) == EDGE:
             self._fail("an edge cannot be collected; collect its properties.", arguments[0].place)

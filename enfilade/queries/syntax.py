@@ -14,8 +14,14 @@ if TYPE_CHECKING:
 
 Scalar = None | bool | int | float | str
 
-AGGREGATES: Final = ("count", "avg", "min", "max", "sum", "collect", "stDev", "percentileCont")
+AGGREGATES: Final = (
+    *("count", "avg", "min", "max", "sum", "collect"),
+    *("stDev", "stDevP", "percentileCont", "percentileDisc"),
+)
 """Functions that fold many matches into one value, as the language spells them."""
+
+PERCENTILES: Final = ("percentileCont", "percentileDisc")
+"""Those that take a share beside a value."""
 
 SCORES: Final = ("score", "mean_score")
 """Names that stand for a match's likeness."""

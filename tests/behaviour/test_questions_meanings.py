@@ -125,7 +125,7 @@ FIRST_COLUMN = [
 ROWS = [
     (
         "MATCH (a:Room {area: 99..}) RETURN count(*), sum(a.area), avg(a.area), min(a.area), collect(a), stDev(a.area)",
-        [(0, 0, None, None, [], 0.0)],
+        [(0, 0, None, None, [], None)],
     ),
     ("MATCH (a:Room {area: 99..}) RETURN a.name, count(*)", []),
     (

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner
 
@@ -172,6 +173,19 @@ def test_parquet_that_cannot_hold_the_values(with_hotel: Enfilade) -> None:
     question = "MATCH (a:Room) RETURN [1, 'x'] AS list"
     done = with_hotel("query", question, "--format", "parquet", "-o", "answer.parquet")
     assert_one_sentence(done, status=1, about="--format json")
+
+
+def test_parquet_keeps_kinds_where_values_are_missing(with_hotel: Enfilade, tmp_path: Path) -> None:
+    question = "MATCH (b:Building) OPTIONAL MATCH (o:Object {parts: 2}) RETURN b, o.parts AS n, b.scan_count AS m"
+    assert with_hotel("query", question, "--format", "parquet", "-o", "a.parquet").status == 0
+    near = "MATCH (a:Room {area: 30}) RETURN a LIMIT 1 RELAX 1"
+    assert with_hotel("query", near, "--format", "parquet", "-o", "b.parquet").status == 0
+
+    first, second = (pq.read_table(tmp_path / name) for name in ("a.parquet", "b.parquet"))
+
+    assert first.to_pylist() == [{"b": "hotel", "n": 2, "m": None}]
+    assert str(first.schema.field("n").type) == "int64"
+    assert str(second.schema.field("unmet").type) == "list<element: string>"
 
 
 @pytest.mark.parametrize("arguments", [("--nl", "--format", "csv"), ("--param", "x=" + "[" * 100_000)])

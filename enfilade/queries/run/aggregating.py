@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, Final
 
 from enfilade.errors import QuestionError
 from enfilade.queries.examples import Examples, number_of
 from enfilade.queries.query_graph import Column
 from enfilade.queries.syntax import (
+    PERCENTILES,
     Call,
     Expression,
     Literal,
@@ -103,8 +105,9 @@ def _aggregate(call: Call, group: Sequence[Match], examples: Examples) -> Any:
         for value in present:
             first.setdefault(hashable(value), value)
         present = list(first.values())
-    if call.function == "percentileCont":
-        return _percentile(present, number_of(call.arguments[1]))
+    if call.function in PERCENTILES:
+        percentile = _percentile if call.function == "percentileCont" else _percentile_of_them
+        return percentile(sorted(present), number_of(call.arguments[1])) if present else None
     return _AGGREGATES[call.function](present)
 
 
@@ -116,23 +119,25 @@ def _average(values: list[Any]) -> float | None:
     return math.fsum(values) / len(values) if values else None
 
 
-def _deviation(values: list[Any]) -> float:
-    """Return the standard deviation of a sample; 0 where there are fewer than two values."""
+def _deviation(values: list[Any], *, sample: bool = True) -> float | None:
+    """Return the standard deviation of a sample, or of all there are; 0 of one value, as Neo4j has it."""
     if len(values) < 2:
-        return 0.0
+        return 0.0 if values else None
     mean = math.fsum(values) / len(values)
-    return math.sqrt(math.fsum((value - mean) ** 2 for value in values) / (len(values) - 1))
+    return math.sqrt(math.fsum((value - mean) ** 2 for value in values) / (len(values) - sample))
 
 
-def _percentile(values: list[Any], share: float) -> float | None:
+def _percentile(ordered: list[Any], share: float) -> float:
     """Return the value below which a share of the values lies, interpolated."""
-    if not values:
-        return None
-    ordered = sorted(values)
     place = share * (len(ordered) - 1)
     low = math.floor(place)
     high = min(low + 1, len(ordered) - 1)
     return float(ordered[low] + (ordered[high] - ordered[low]) * (place - low))
+
+
+def _percentile_of_them(ordered: list[Any], share: float) -> Any:
+    """Return the first of the values that a share of them is not above."""
+    return ordered[max(math.ceil(share * len(ordered)), 1) - 1]
 
 
 _AGGREGATES: Final[dict[str, Callable[[list[Any]], Any]]] = {
@@ -143,4 +148,5 @@ _AGGREGATES: Final[dict[str, Callable[[list[Any]], Any]]] = {
     "max": lambda values: max(values, default=None),
     "collect": list,
     "stDev": _deviation,
+    "stDevP": partial(_deviation, sample=False),
 }
