@@ -5,7 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any, Final
 
-from .query_graph import Column, Constraint, EdgePattern, Equal, Likeness, NodePattern, Pattern, QueryGraph, SortKey
+from enfilade.errors import QuestionError
+
+from .query_graph import (
+    UNNAMED,
+    Column,
+    Constraint,
+    EdgePattern,
+    Equal,
+    Likeness,
+    NodePattern,
+    Pattern,
+    QueryGraph,
+    SortKey,
+)
 from .spelling import after_colon, quoted, text_in_quotes
 from .syntax import (
     Arithmetic,
@@ -66,9 +79,10 @@ def _pattern(pattern: Pattern) -> str:
 def _chains(pattern: Pattern) -> Iterator[str]:
     """Comma parts; an edge that goes on where the last one ended lengthens its chain."""
     new = {node.name: node for node in pattern.nodes}
+    ends = {name for edge in pattern.edges for name in (edge.left, edge.right)}
     chain, end = "", None
     for edge in pattern.edges:
-        early = _before(list(new), edge)
+        early = [name for name in _before(list(new), edge) if new[name].named or name not in ends]
         if edge.left != end or early:
             yield from [chain] if chain else []
             yield from (node_text(new.pop(name)) for name in early)
@@ -89,6 +103,8 @@ def _before(new: list[str], edge: EdgePattern) -> list[str]:
 
 
 def _mention(name: str, new: dict[str, NodePattern]) -> str:
+    if name not in new and name.startswith(UNNAMED):
+        raise QuestionError("a node without a name has edges that are not next to each other; give it a name.")
     return node_text(new.pop(name)) if name in new else f"({quoted(name)})"
 
 

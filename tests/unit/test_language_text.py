@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import json
 import random
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import Phase, given, settings
 from question_maker import QuestionMaker
+from question_strategies import query_graphs
 
-from enfilade.queries import Between, Column, EdgePattern, NodePattern, Pattern, QueryGraph, parse
+from enfilade.errors import QuestionError
+from enfilade.queries import Between, Column, EdgePattern, NodePattern, Pattern, QueryGraph, answer, parse
 from enfilade.queries.syntax import Literal, PropertyOf, Variable
+from enfilade.schema.exchange import read_graph
+from enfilade.stores import Store, open_store
 
 WORKED = json.loads((Path(__file__).parents[1] / "questions" / "hotel.json").read_text(encoding="utf-8"))
 MADE = [QuestionMaker(random.Random(seed), ["b/o1", "b/o1+o2"]).question() for seed in range(200)]
@@ -31,12 +37,38 @@ HAND_MADE = [
 ]
 
 
+@pytest.fixture(scope="module")
+def hotel_store(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Store]:
+    with open_store(f"sqlite:{tmp_path_factory.mktemp('text') / 'hotel.db'}") as store:
+        store.write(read_graph(Path(__file__).parents[1] / "graphs" / "hotel.graph.json"))
+        yield store
+
+
 @pytest.mark.parametrize("question", [*[worked["question"] for worked in WORKED], *HAND_MADE, *MADE])
 def test_printing_parsing_and_json_keep_the_question(question: str) -> None:
     query = parse(question)
 
     assert parse(str(query)) == query
     assert QueryGraph.from_json(json.loads(json.dumps(query.to_json()))) == query
+
+
+@settings(max_examples=60, phases=[Phase.explicit, Phase.generate])  # to shrink a question takes minutes
+@given(query_graphs())
+def test_a_question_built_by_hand_is_printed_and_read_again(query: QueryGraph) -> None:
+    assert parse(str(query)) == query
+    assert str(parse(str(query))) == str(query)
+    assert QueryGraph.from_json(json.loads(json.dumps(query.to_json()))) == query
+
+
+@pytest.mark.parametrize("question", [*[worked["question"] for worked in WORKED], *MADE[:60]])
+def test_text_graph_and_json_compile_alike(hotel_store: Store, question: str) -> None:
+    question = question.replace("b/o1+o2", "hotel/o1").replace("b/o1", "hotel/o1")
+    query = parse(question)
+    forms = [question, query, str(query), QueryGraph.from_json(query.to_json())]
+
+    compiled = [answer(hotel_store, form, explain_only=True).explanation.steps for form in forms]
+
+    assert all(steps == compiled[0] for steps in compiled)
 
 
 def test_a_question_built_by_hand_is_the_one_that_is_written() -> None:
@@ -51,6 +83,14 @@ def test_a_question_built_by_hand_is_the_one_that_is_written() -> None:
 
     assert built == parse("MATCH (a:Room {area: 10..20})-[:DOOR]-(b:Room) RETURN a, b.name LIMIT 5")
     assert str(built) == "MATCH (a:Room {area: 10..20})-[:DOOR]-(b:Room)\nRETURN a, b.name\nLIMIT 5"
+
+
+def test_a_node_without_a_name_cannot_be_mentioned_twice() -> None:
+    nodes = tuple(NodePattern(name, "Room") for name in ("#1", "b", "c"))
+    edges = (EdgePattern("#1", "b", ("DOOR",)), EdgePattern("b", "c", ("DOOR",)), EdgePattern("c", "#1", ("DOOR",)))
+
+    with pytest.raises(QuestionError, match="give it a name"):
+        str(QueryGraph(Pattern(nodes, edges), (Column("b", Variable("b")),)))
 
 
 def test_comments_and_blanks_say_nothing() -> None:
