@@ -106,6 +106,7 @@ class _Answering:
     def __init__(self, store: Store, query: QueryGraph, examples: Examples, deadline: Deadline, *, run: bool) -> None:
         self._query = query
         self._examples = examples
+        self._deadline = deadline
         self._run = run
         self._patterns = [query.pattern, *query.optional]
         self._combining = combining_objects(query)
@@ -151,7 +152,7 @@ class _Answering:
         for pattern in self._query.optional:
             matches = self._with_option(matches, pattern, scope)
             scope = scope_of(pattern, scope)
-        return matches if in_store else one_of_each(matches, order, symmetries)
+        return matches if in_store else one_of_each(self._deadline.watched(matches), order, symmetries)
 
     def _with_option(self, matches: list[Match], pattern: Pattern, scope: Scope) -> list[Match]:
         found = self._matcher.extended(pattern, scope, matches, "OPTIONAL MATCH")
@@ -159,7 +160,7 @@ class _Answering:
         missing = {name: None for name in names if name not in scope}
         result: list[Match] = []
         for match, extensions in zip(matches, found, strict=True):
-            fitting = [extension for extension in extensions if self._fits(extension, match)]
+            fitting = [extension for extension in self._deadline.watched(extensions) if self._fits(extension, match)]
             result += fitting or [Match({**match.elements, **missing})]
         return result
 
@@ -191,7 +192,7 @@ class _Answering:
         self.explanation.counts["distances computed"] = self._examples.compared
         if not self._run:
             return []
-        return rows_of(self._query, ranked(matches, named, rest), named, self._examples)
+        return rows_of(self._query, self._deadline.watched(ranked(matches, named, rest)), named, self._examples)
 
     def _answer_columns(self, matches: list[Match]) -> None:
         """Answer the subqueries in RETURN and ORDER BY."""

@@ -94,10 +94,15 @@ def described_edge(edge: EdgePattern) -> str:
 
 def edge_between(edge: EdgePattern, names: Names) -> str:
     """Return an edge with the names of its ends; how it is written does not matter."""
+    return f"{ends_between(edge, names)} {described_edge(edge)}"
+
+
+def ends_between(edge: EdgePattern, names: Names) -> str:
+    """Return the ends of an edge by name; how it is written does not matter."""
     left, right = names.get(edge.left, edge.left), names.get(edge.right, edge.right)
     if edge.direction == "<" or (edge.direction == "-" and left > right):
         left, right = right, left
-    return f"{left}{'-' if edge.direction == '-' else '>'}{right} {described_edge(edge)}"
+    return f"{left}{'-' if edge.direction == '-' else '>'}{right}"
 
 
 def _joined(operator: str, operands: Iterable[Expression], names: Names, scope: Scope) -> str:

@@ -118,9 +118,9 @@ class Store(ABC):
 
     @abstractmethod
     def rows(
-        self, text: str, parameters: Mapping[str, Any], *, timeout_s: float | None = None
+        self, text: str, parameters: Mapping[str, Any], *, timeout_s: float | None = None, most: int | None = None
     ) -> Iterator[tuple[Any, ...]]:
-        """Run a compiled question, read-only; yields its rows. Raises StoreError past the time limit."""
+        """Run a compiled question, read-only; yields `most` rows at most. Raises StoreError past the time limit."""
 
     @abstractmethod
     def plan(self, text: str, parameters: Mapping[str, Any]) -> str:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
+from functools import partial
+from itertools import islice
 from typing import Any, Final, TypeVar
 
 from neo4j import READ_ACCESS, WRITE_ACCESS, Driver, GraphDatabase, ManagedTransaction, Query, Session
@@ -18,6 +20,7 @@ from enfilade.schema.ids import parse
 from enfilade.schema.neo4j import SCHEMA_LABEL, statements
 from enfilade.stores import neo4j_graph, neo4j_tables, neo4j_turns
 from enfilade.stores.base import BuildingSummary, DescriptorTable, Store
+from enfilade.stores.neo4j_watch import ended_in_time
 
 DEFAULT_DATABASE: Final = "neo4j"
 CONNECTION_TIMEOUT_S: Final = 15.0
@@ -113,19 +116,20 @@ class Neo4jStore(Store):
         return neo4j_tables.building_summaries(self._read(neo4j_tables.summaries))
 
     def rows(
-        self, text: str, parameters: Mapping[str, Any], *, timeout_s: float | None = None
+        self, text: str, parameters: Mapping[str, Any], *, timeout_s: float | None = None, most: int | None = None
     ) -> Iterator[tuple[Any, ...]]:
-        """Run a compiled question, read-only; yields its rows. Raises StoreError past the time limit."""
+        """Run a compiled question, read-only; yields its rows, all read before the first: see `neo4j_turns`."""
         given = dict(parameters)
-        found = self._read(lambda transaction: transaction.run(text, given).values(), timeout_s=timeout_s)
-        yield from map(tuple, found)
+        yield from self._read(
+            lambda transaction: [tuple(row) for row in islice(transaction.run(text, given), most)], timeout_s=timeout_s
+        )
 
     def cypher(
         self, text: str, parameters: Mapping[str, Any], *, timeout_s: float | None = None
     ) -> Iterator[dict[str, Any]]:
         """Run Cypher as it stands, read-only; yields rows of plain values, as ``enfilade cypher`` shows them."""
-        with self._session(READ_ACCESS) as session:
-            found = session.run(Query(text, timeout=timeout_s), dict(parameters))
+        with self._session(READ_ACCESS) as session, self._ended_in_time(timeout_s) as metadata:
+            found = session.run(Query(text, timeout=timeout_s, metadata=metadata), dict(parameters))
             names = found.keys()
             for record in found:
                 yield {name: neo4j_tables.plain(value) for name, value in zip(names, record, strict=True)}
@@ -179,8 +183,12 @@ class Neo4jStore(Store):
             return neo4j_turns.write(session, announcing, work)
 
     def _read(self, work: neo4j_turns.Reading[T], *, timeout_s: float | None = None) -> T:
-        with self._session(READ_ACCESS) as session:
-            return neo4j_turns.read(session, lambda: self._open_session(WRITE_ACCESS), work, timeout_s=timeout_s)
+        with self._session(READ_ACCESS) as session, self._ended_in_time(timeout_s) as metadata:
+            locking = partial(self._open_session, WRITE_ACCESS)
+            return neo4j_turns.read(session, locking, work, timeout_s=timeout_s, metadata=metadata)
+
+    def _ended_in_time(self, timeout_s: float | None) -> AbstractContextManager[dict[str, Any]]:
+        return ended_in_time(partial(self._open_session, READ_ACCESS), timeout_s)
 
     def _open_session(self, access: str) -> Session:
         return self._driver.session(database=self._database, default_access_mode=access, fetch_size=FETCH_SIZE)
@@ -196,6 +204,8 @@ class Neo4jStore(Store):
         try:
             yield
         except (Neo4jError, DriverError, ConfigurationError) as error:
+            if _was_interrupted(error):
+                raise KeyboardInterrupt from error
             raise StoreError(self._cause(error)) from error
 
     def _cause(self, error: Exception) -> str:
@@ -223,12 +233,22 @@ _CAUSES: Final = {
     "Transaction.TransactionTimedOutClientConfiguration": (
         "took longer than the time limit; make the question narrower or raise --timeout"
     ),
+    "Transaction.Terminated": "took longer than the time limit, or somebody ended it",
     "Statement.AccessMode": "is only read here, nothing may be written",
     "General.MemoryPoolOutOfMemoryError": (
         "has too little memory for so large a transaction; give it more heap "
         '("enfilade server start --heap-mb 2048" after a stop)'
     ),
 }
+
+
+def _was_interrupted(error: BaseException | None) -> bool:
+    """Whether an error came of leaving a transaction after Ctrl-C."""
+    while error is not None:
+        if isinstance(error, KeyboardInterrupt):
+            return True
+        error = error.__context__
+    return False
 
 
 def _versions(session: Session) -> list[int]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from contextlib import closing
-from typing import Final, TypeVar
+from typing import Any, Final, TypeVar
 
 from neo4j import ManagedTransaction, Session, Transaction, unit_of_work
 from neo4j.exceptions import Neo4jError
@@ -76,7 +76,14 @@ def write(session: Session, announcing: Session, work: Writing[T]) -> T:
             announcing.run(_END, number=numbers[-1]).consume()
 
 
-def read(session: Session, locking: Callable[[], Session], work: Reading[T], *, timeout_s: float | None = None) -> T:
+def read(
+    session: Session,
+    locking: Callable[[], Session],
+    work: Reading[T],
+    *,
+    timeout_s: float | None = None,
+    metadata: dict[str, Any] | None = None,
+) -> T:
     """Do what reads at one moment of the store.
 
     Parameters
@@ -90,9 +97,11 @@ def read(session: Session, locking: Callable[[], Session], work: Reading[T], *, 
         Reads, and only fetches: what it fetched may be thrown away.
     timeout_s
         Limit for each try.
+    metadata
+        What the server notes of each transaction.
     """
 
-    @unit_of_work(timeout=timeout_s)
+    @unit_of_work(metadata=metadata, timeout=timeout_s)
     def quietly(transaction: ManagedTransaction) -> tuple[bool, T]:
         before = _quiet_state(transaction)
         result = work(transaction)
@@ -107,7 +116,7 @@ def read(session: Session, locking: Callable[[], Session], work: Reading[T], *, 
             continue
         if undisturbed:
             return result
-    with locking() as other, closing(other.begin_transaction(timeout=timeout_s)) as transaction:
+    with locking() as other, closing(other.begin_transaction(metadata, timeout_s)) as transaction:
         transaction.run(_TAKE_TURN).consume()
         return work(transaction)  # closed without commit, it is rolled back
 

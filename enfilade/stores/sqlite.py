@@ -6,6 +6,7 @@ import sqlite3
 import threading
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
+from itertools import islice
 from pathlib import Path
 from typing import Any, Final
 
@@ -103,14 +104,14 @@ class SQLiteStore(Store):
             return sqlite_tables.summaries(connection)
 
     def rows(
-        self, text: str, parameters: Mapping[str, Any], *, timeout_s: float | None = None
+        self, text: str, parameters: Mapping[str, Any], *, timeout_s: float | None = None, most: int | None = None
     ) -> Iterator[tuple[Any, ...]]:
-        """Run a compiled question, read-only; yields its rows. Raises StoreError past the time limit."""
+        """Run a compiled question, read-only; yields `most` rows at most. Raises StoreError past the time limit."""
         deadline = Deadline(timeout_s)
         with self._reading() as connection:
             connection.set_progress_handler(deadline.passed, STEPS_BETWEEN_LOOKS)
             try:
-                yield from connection.execute(text, parameters)
+                yield from islice(connection.execute(text, parameters), most)
             except sqlite3.OperationalError as error:
                 if error.sqlite_errorcode == sqlite3.SQLITE_INTERRUPT:
                     raise deadline.reason() from error

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import Any, Final
 
@@ -53,7 +53,7 @@ def _grouped(expression: Expression, keys: set[Expression]) -> bool:
 
 
 def grouped(
-    matches: Sequence[Match], columns: Sequence[Column], examples: Examples
+    matches: Iterable[Match], columns: Sequence[Column], examples: Examples
 ) -> list[tuple[tuple[Any, ...], Match]]:
     """Return one row a group and its first match, in the order in which the groups appear.
 

@@ -33,11 +33,8 @@ from .needs import split_conditions
 from .pruning import likened_nodes, one_of_each, scored, without_overlap
 from .values import value_of
 
-MOST_ROWS: Final = 2_000_000
-"""Rows of one statement that are read at most, for memory's sake."""
-
-_ROWS_BETWEEN_LOOKS: Final = 4096
-"""Rows after which the clock is looked at."""
+MOST_VALUES: Final = 10_000_000
+"""Ids and properties that a question may fetch, and that its matches with options may hold: some 2 GB of memory."""
 
 Pairs = tuple[tuple[str, str], ...]
 
@@ -82,6 +79,7 @@ class Matcher:
         self._explanation = explanation
         self._run = run
         self._nodes: dict[str, Element] = {}
+        self._values_left = MOST_VALUES
 
     def extended(
         self, pattern: Pattern, outer: Scope, matches: Sequence[Match], title: str, smaller: Pairs = ()
@@ -111,8 +109,11 @@ class Matcher:
                 key = self._key(given, found) if outer else None
                 groups.setdefault(key, []).append({n: e for n, e in found.items() if n not in given})
         extensions = [
-            [Match({**match.elements, **found}) for found in groups.get(self._key_of(given, match, outer), ())]
-            for match in matches
+            [
+                Match({**match.elements, **found})
+                for found in self._afforded(groups.get(self._key_of(given, match, outer), ()), match)
+            ]
+            for match in self._deadline.watched(matches)
         ]
         return self._tested(extensions, after, scope)
 
@@ -173,7 +174,7 @@ class Matcher:
         spent = self._explanation.seconds
         spent["examples and distances"] = spent.get("examples and distances", 0.0) + compared - start
         step.rows = step.kept = 0
-        for row in self._rows(compiled.text, parameters):
+        for row in self._rows(compiled, parameters):
             step.rows += 1
             elements = self._elements(search, row)
             if all(elements[name].id in ids for name, ids in limits.items()):
@@ -181,19 +182,29 @@ class Matcher:
                 yield elements, tuple(row[len(search.columns) :])
         step.seconds = time.perf_counter() - compared
 
-    def _rows(self, text: str, parameters: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
-        """Rows of a statement, until the whole question's time is over."""
+    def _rows(self, compiled: Compiled, parameters: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
+        """Rows of a statement, until the whole question's time is over or they are too many for memory."""
+        width = max(len(compiled.columns), 1)
+        most = self._values_left // width
         try:
-            for number, row in enumerate(self._store.rows(text, parameters, timeout_s=self._deadline.left_s())):
-                if number % _ROWS_BETWEEN_LOOKS == 0 and self._deadline.passed():
-                    raise self._deadline.reason()
-                if number == MOST_ROWS:
-                    raise UnsupportedError(f"the pattern has more than {MOST_ROWS:,} matches; make it narrower")
+            rows = self._store.rows(compiled.text, parameters, timeout_s=self._deadline.left_s(), most=most + 1)
+            for number, row in enumerate(self._deadline.watched(rows)):
+                if number == most:
+                    raise UnsupportedError(f"the question has more than {number:,} matches; make it narrower.")
+                self._deadline.rows += 1
                 yield row
+                self._values_left -= width
         except StoreError:
-            if self._deadline.passed():
-                raise self._deadline.reason() from None
+            self._deadline.check()
             raise
+
+    def _afforded(self, found: Sequence[dict[str, Element]], match: Match) -> Iterator[dict[str, Element]]:
+        """Yield what extends a match, as long as memory and time allow."""
+        if match.elements:
+            self._values_left -= len(found) * (len(match.elements) + 1)
+            if self._values_left < 0:
+                raise UnsupportedError("the question has too many matches; make it narrower.")
+        return self._deadline.watched(found)
 
     def _limits(self, expansion: Expansion) -> dict[str, Mapping[str, float]]:
         """Objects that may stand behind each likened node."""
@@ -245,10 +256,17 @@ class Matcher:
                     self.answer(part, everyone, scope)
             if self._run:
                 extensions = [
-                    [match for match in found if value_of(condition, match, self._examples) is True]
+                    [
+                        match
+                        for match in self._deadline.watched(found)
+                        if value_of(condition, match, self._examples) is True
+                    ]
                     for found in extensions
                 ]
         return extensions
+
+    def _holds(self, condition: Expression, match: Match) -> bool:
+        return value_of(condition, match, self._examples) is True
 
     def answer(self, subquery: Subquery, matches: Sequence[Match], scope: Scope) -> None:
         """Note the result of a subquery in each match."""

@@ -55,7 +55,7 @@ def check_rows(query: QueryGraph) -> None:
         )
 
 
-def rows_of(query: QueryGraph, matches: list[Match], named: Sequence[str], examples: Examples) -> list[Row]:
+def rows_of(query: QueryGraph, matches: Iterable[Match], named: Sequence[str], examples: Examples) -> list[Row]:
     """Return the rows of the answer.
 
     Parameters
