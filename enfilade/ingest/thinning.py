@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import chain
 from typing import Final
 
 import numpy as np
@@ -15,7 +16,8 @@ from numpy.typing import NDArray
 from enfilade.errors import InputError
 from enfilade.progress import Progress, Silent
 
-from .records import F64, I32, Scan, ThinnedCloud
+from .parallel import taken
+from .records import F64, I32, Chunk, Scan, ThinnedCloud
 from .voxels import VoxelSet
 
 _SILENT: Final = Silent()
@@ -41,7 +43,10 @@ class ThinningParameters:
 
 @dataclass(slots=True)
 class _Register:
-    """The scans so far: who they are, and how many points each has in the set or has a copy of."""
+    """The scans so far: who they are, and how many points each has in the set or has a copy of.
+
+    `before` is what each had when the scan that is read began; None where that goes on with an earlier one.
+    """
 
     keys: dict[tuple[str, str], int]
     scanners: F64
@@ -49,12 +54,13 @@ class _Register:
     held: I64
     copies: I64
     original: list[int]
+    before: I64 | None = None
 
     @classmethod
     def empty(cls) -> _Register:
         return cls({}, np.zeros((0, 3)), [], np.zeros(0, np.int64), np.zeros(0, np.int64), [])
 
-    def number(self, scan: Scan, origin: F64) -> int:
+    def begin(self, scan: Scan, origin: F64) -> int:
         """Return the scan's number, a new one where it is met for the first time."""
         number = self.keys.setdefault((scan.source, scan.name), len(self.keys))
         if number == len(self.raw):
@@ -62,7 +68,14 @@ class _Register:
             self.original.append(number)
             self.scanners = np.concatenate([self.scanners, (scan.scanner_position - origin)[None]])
             self.held, self.copies = np.append(self.held, 0), np.append(self.copies, 0)
+        self.before = self.held.copy() if self.raw[number] == 0 else None
+        self.copies[:] = 0
         return number
+
+    def end(self, number: int) -> None:
+        """See whether a scan that has been read copies another one."""
+        if self.before is not None:
+            self.original[number] = _original(number, self.before, self.copies, self.original)
 
 
 def thin(
@@ -80,12 +93,18 @@ def thin(
         There are no scans, or the scans lie farther apart than one building can.
     """
     register, origin, points = _Register.empty(), np.zeros(3), None
-    with ThreadPoolExecutor(1) as worker:
-        for scan in scans:
-            if points is None:
-                origin = np.round(scan.scanner_position / _ORIGIN_GRID_M) * _ORIGIN_GRID_M
-                points = VoxelSet(parameters.voxel_size_m, origin)
-            _add(points, scan, register, origin, worker)
+    number = -1
+    for scan, chunk in _read_ahead(scans):
+        if points is None:
+            origin = np.round(scan.scanner_position / _ORIGIN_GRID_M) * _ORIGIN_GRID_M
+            points = VoxelSet(parameters.voxel_size_m, origin)
+        if number < 0:
+            number = register.begin(scan, origin)
+        if chunk is not None:
+            _add(points, chunk, number, register, scan)
+        else:
+            register.end(number)
+            number = -1
             progress.advance()
     if points is None:
         raise InputError("there are no scans to ingest")
@@ -96,7 +115,7 @@ def thin(
     by_name = np.array(sorted(range(len(names)), key=lambda scan: _natural(names[scan])), np.int32)
     return ThinnedCloud(
         kept.positions,
-        np.argsort(by_name).astype(np.int32)[numbers][kept.scan],
+        taken(np.argsort(by_name).astype(np.int32)[numbers], kept.scan),
         register.scanners[is_kept][by_name].astype(np.float32),
         tuple(names[scan] for scan in by_name),
         origin,
@@ -107,28 +126,24 @@ def thin(
     )
 
 
-def _add(points: VoxelSet, scan: Scan, register: _Register, origin: F64, worker: ThreadPoolExecutor) -> None:
-    """Put a scan's points in, each chunk while the next is read, and see whether it copies another scan."""
-    number = register.number(scan, origin)
-    is_part = register.raw[number] > 0
-    before = register.held.copy()
-    register.copies[:] = 0
-    running: Future[bool] | None = None
-    for chunk in scan.chunks:
-        _settle(running, scan, points)
-        running = worker.submit(points.add, chunk, number, register.scanners, register.held, register.copies)
-        register.raw[number] += len(chunk.positions)
-    _settle(running, scan, points)
-    if not is_part:
-        register.original[number] = _original(number, before, register.copies, register.original)
+def _read_ahead(scans: Iterable[Scan]) -> Iterator[tuple[Scan, Chunk | None]]:
+    """Yield the chunks of all scans, None after the last of each; while one is used, the next is read."""
+    parts = ((scan, chunk) for scan in scans for chunk in chain(scan.chunks, (None,)))
+    with ThreadPoolExecutor(1) as worker:
+        coming = worker.submit(next, parts, None)
+        while (part := coming.result()) is not None:
+            coming = worker.submit(next, parts, None)
+            yield part
 
 
-def _settle(running: Future[bool] | None, scan: Scan, points: VoxelSet) -> None:
-    if running is not None and not running.result():
+def _add(points: VoxelSet, chunk: Chunk, number: int, register: _Register, scan: Scan) -> None:
+    """Put a chunk of a scan in."""
+    if not points.add(chunk, number, register.scanners, register.held, register.copies):
         raise InputError(
             f"scan {scan.name!r} of {scan.source} lies more than {points.reach_m / 1000:.0f} km "
             "from the first one: are the scans registered, and in metres?"
         )
+    register.raw[number] += len(chunk.positions)
 
 
 def _original(number: int, held: I64, copies: I64, original: list[int]) -> int:
