@@ -239,16 +239,18 @@ def _find_ends(first_ray, past_ray, end, start, ahead, scan, planes, low, shape,
         if i < 0 or j < 0 or k < 0 or i >= shape[0] or j >= shape[1] or k >= shape[2]:
             continue
         cell = (i * shape[1] + j) * shape[2] + k
-        for side in members[first[cell] : first[cell + 1]]:
-            plane = planes[side]
-            height = plane[0] * x + plane[1] * y + plane[2] * z - plane[3]
-            s = ahead[scan[ray], side]
-            if height < -inset_m or height >= front_m or (s <= plane[14] and abs(height) > plane[14]):
+        for at in range(first[cell], first[cell + 1]):
+            side = members[at]
+            height = planes[side, 0] * x + planes[side, 1] * y + planes[side, 2] * z - planes[side, 3]
+            if height < -inset_m or height >= front_m:
                 continue
-            if height < -plane[14]:
-                u, v, inside = _at(plane, *_on_the_way(start[scan[ray]], end[ray], s / (s - height)))
+            if abs(height) > planes[side, 14] and ahead[scan[ray], side] <= planes[side, 14]:
+                continue
+            if height < -planes[side, 14]:
+                s = ahead[scan[ray], side]
+                u, v, inside = _at(planes[side], *_on_the_way(start[scan[ray]], end[ray], s / (s - height)))
             else:
-                u, v, inside = _at(plane, x, y, z)
+                u, v, inside = _at(planes[side], x, y, z)
             if inside:
                 if count == len(numbers):
                     numbers, values = _grown(numbers, values)
