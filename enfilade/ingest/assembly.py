@@ -8,6 +8,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from enfilade.clouds import LabelledCloud
@@ -15,7 +16,7 @@ from enfilade.schema.graph import BuildingGraph
 from enfilade.schema.ids import object_id, opening_id, room_id, storey_id
 
 from .cells import extent
-from .parallel import taken
+from .parallel import in_slices, taken
 from .records import (
     F32,
     F64,
@@ -99,11 +100,17 @@ def _of_surfel(values: I32, index: I32) -> I32:
 
 
 def _moved(positions: F32, by: F64) -> F64:
-    """``positions + by``; by the axis, which is three times faster."""
+    """``positions + by``."""
     moved = np.empty(positions.shape, np.float64)
-    for axis in range(3):
-        np.add(positions[:, axis], by[axis], out=moved[:, axis])
+    in_slices(_move, len(positions), moved, positions, by)
     return moved
+
+
+@njit(cache=True, nogil=True)
+def _move(first: int, past: int, moved: F64, positions: F32, by: F64) -> None:
+    for i in range(first, past):
+        for axis in range(3):
+            moved[i, axis] = positions[i, axis] + by[axis]
 
 
 def _add_building(graph: BuildingGraph, name: str, cloud: ThinnedCloud, provenance: Mapping[str, Any]) -> None:

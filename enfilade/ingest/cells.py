@@ -176,16 +176,30 @@ class Gathered:
             order = np.argsort(keys, kind="stable")
             bounds = np.append(np.flatnonzero(np.diff(keys[order], prepend=-1)), len(keys))
             return cls(order, bounds, keys[order[bounds[:-1]]])
-        packed = keys << bits
-        packed |= np.arange(len(keys))
+        packed = np.empty(len(keys), np.int64)
+        in_slices(_pack, len(keys), packed, keys, bits)
         packed = sort_above(packed, bits, key_bits)
         bounds = _bounds(packed, bits)
         group_keys = packed[bounds[:-1]] >> bits
-        packed &= (1 << bits) - 1
+        in_slices(_mask, len(keys), packed, bits)
         return cls(packed, bounds, group_keys)
 
     def __len__(self) -> int:
         return len(self.keys)
+
+
+@njit(cache=True, nogil=True)
+def _pack(first: int, past: int, packed: I64, keys: I64, bits: int) -> None:
+    """Fill in, for keys `first` to `past`, the key above the lowest `bits` and the index in these."""
+    for i in range(first, past):
+        packed[i] = keys[i] << bits | i
+
+
+@njit(cache=True, nogil=True)
+def _mask(first: int, past: int, packed: I64, bits: int) -> None:
+    """Leave of numbers `first` to `past` only the lowest `bits`."""
+    for i in range(first, past):
+        packed[i] &= (1 << bits) - 1
 
 
 @njit(cache=True, nogil=True)
@@ -228,7 +242,7 @@ def _by_number(numbers: I32, count: int) -> tuple[I64, I64]:
     return order, bounds
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def neighbour_rows(keys: I64, offsets: I64) -> I32:
     """For each of the sorted `keys`, where each of its nine columns of neighbour cells begins.
 

@@ -117,9 +117,11 @@ def _findings(
     """Find in the thinned cloud what the graph is made of."""
     watch.start("surfels")
     surfels = make_surfels(cloud, parameters.surfels)
-    check_registration(cloud, surfels, parameters.registration, progress=watch)
     watch.start("planes")
-    planes = find_planes(surfels, parameters.planes)
+    with ThreadPoolExecutor(1) as worker:  # patches are grown one after the other, which leaves processors free
+        checked = worker.submit(check_registration, cloud, surfels, parameters.registration, progress=watch)
+        planes = find_planes(surfels, parameters.planes)
+        checked.result()
     surfels, planes = extend_planes(cloud, surfels, planes, parameters.sparse)
     _need(planes.bitmaps, files, "no walls, floors or ceilings")
     watch.start("groups")

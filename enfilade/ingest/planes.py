@@ -102,7 +102,7 @@ def _count_flat(
                 at += 1
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _grow(
     keys: I64,
     offsets: I64,
@@ -135,7 +135,7 @@ def _grow(
     return plane
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _grow_from(
     seed: int,
     trial: int,
@@ -184,7 +184,7 @@ def _grow_from(
     return size
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _refit(moments: F64, side: F32, normal: F64) -> float:
     """Fit the plane anew, its normal on the side of `side`; return its offset."""
     fit_plane(moments, normal)
@@ -194,7 +194,7 @@ def _refit(moments: F64, side: F32, normal: F64) -> float:
     return float(total / moments[0])
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _take_in_edges(
     keys: I64,
     offsets: I64,
@@ -374,9 +374,8 @@ def _bitmaps(positions: F32, plane: I32, normals: F64, centres: F64, cell_m: flo
     on_plane = np.flatnonzero(plane >= 0)
     members = Gathered.by(plane[on_plane].astype(np.int64))
     order = on_plane[members.order]
-    relative = positions[order] - centres[plane[order]]
-    i = np.floor(np.einsum("ij,ij->i", relative, v[plane[order]]) / cell_m).astype(np.int64)
-    j = np.floor(np.einsum("ij,ij->i", relative, u[plane[order]]) / cell_m).astype(np.int64)
+    i, j = cells = np.empty((2, len(order)), np.int64)
+    in_slices(_find_cells, len(order), cells, positions, order, plane, centres, v, u, cell_m)
     starts, ends = members.bounds[:-1], members.bounds[1:]
     low_i, low_j = np.minimum.reduceat(i, starts) - 1, np.minimum.reduceat(j, starts) - 1
     rows, columns = np.maximum.reduceat(i, starts) - low_i + 2, np.maximum.reduceat(j, starts) - low_j + 2
@@ -388,6 +387,30 @@ def _bitmaps(positions: F32, plane: I32, normals: F64, centres: F64, cell_m: flo
         smooth = ndimage.uniform_filter(occupied, size=3, mode="constant")
         bitmaps.append(Bitmap(_f32(corners[p]), _f32(u[p]), _f32(v[p]), cell_m, smooth))
     return tuple(bitmaps)
+
+
+@njit(cache=True, nogil=True)
+def _find_cells(
+    first: int,
+    past: int,
+    cells: I64,
+    positions: F32,
+    order: I64,
+    plane: I32,
+    centres: F64,
+    v: F64,
+    u: F64,
+    cell_m: float,
+) -> None:
+    """Fill in row and column, from the centre of its plane, of the cells of surfels `first` to `past` in an order."""
+    for at in range(first, past):
+        p = plane[order[at]]
+        up, along = 0.0, 0.0
+        for axis in range(3):
+            relative = positions[order[at], axis] - centres[p, axis]
+            up += relative * v[p, axis]
+            along += relative * u[p, axis]
+        cells[0, at], cells[1, at] = int(np.floor(up / cell_m)), int(np.floor(along / cell_m))
 
 
 def _axes(normals: F64) -> tuple[F64, F64]:

@@ -158,7 +158,7 @@ def _in_the_way(scanners: F32, surfels: Surfels, pairs: I64, parameters: Registr
     return share
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _cell(dx: float, dy: float, dz: float) -> int:
     """Cell of the cube's faces that a direction meets."""
     x, y, z = abs(dx), abs(dy), abs(dz)
@@ -175,7 +175,7 @@ def _cell(dx: float, dy: float, dz: float) -> int:
     return (face * _FACE + i) * _FACE + j
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _ranges(positions: F32, scan: I32, scanners: F32) -> F32:
     """``(S, 6 * face²)`` least range that each scanner measured in each direction, 0 where it measured nothing."""
     ranges = np.zeros((len(scanners), 6 * _FACE * _FACE), np.float32)
@@ -189,7 +189,7 @@ def _ranges(positions: F32, scan: I32, scanners: F32) -> F32:
     return ranges
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _blocked(positions: F32, scanner: F32, ranges: F32, margin: float) -> tuple[int, int]:
     """How many points stand in the way of a scanner, and how many it could see: there, or farther off."""
     blocked, seen = 0, 0

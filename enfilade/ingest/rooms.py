@@ -20,6 +20,7 @@ from enfilade.progress import Progress, Silent
 
 from .cells import CellGrid, Gathered
 from .fans import fans
+from .parallel import at_once, slices
 from .records import F32, F64, I32, Groups, Planes, RoomLabels, Surfels
 from .structure import Structure
 
@@ -224,14 +225,20 @@ def trace_transitions(
 
 def ray_starts(surfels: Surfels, planes: Planes) -> tuple[F32, F32]:
     """Where the rays of each surfel start, a little above its plane or itself, and around which normal."""
-    lift = np.full(len(surfels.positions), _LIFT_M, np.float32)
-    normals = surfels.normals.copy()
-    on_plane = planes.surfel_plane >= 0
-    plane = planes.surfel_plane[on_plane]
-    normals[on_plane] = planes.normals[plane]
-    height = np.einsum("ij,ij->i", surfels.positions[on_plane], planes.normals[plane]) - planes.offsets[plane]
-    lift[on_plane] -= height
-    return surfels.positions + lift[:, None] * normals, normals
+    starts, normals = np.empty_like(surfels.positions), surfels.normals.copy()
+
+    def fill(first: int, past: int) -> None:
+        some = slice(first, past)
+        positions, plane_of, normal = surfels.positions[some], planes.surfel_plane[some], normals[some]
+        lift = np.full(past - first, _LIFT_M, np.float32)
+        on_plane = plane_of >= 0
+        plane = plane_of[on_plane]
+        normal[on_plane] = planes.normals[plane]
+        lift[on_plane] -= np.einsum("ij,ij->i", positions[on_plane], planes.normals[plane]) - planes.offsets[plane]
+        starts[some] = positions + lift[:, None] * normal
+
+    at_once(fill, slices(len(starts)))
+    return starts, normals
 
 
 # --- diffusion -------------------------------------------------------------------------------------------------

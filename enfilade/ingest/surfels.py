@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -221,4 +222,15 @@ def _spread(first: int, past: int, point_surfel: I32, view_surfel: I32, order: I
 
 
 def _unit(vectors: F64) -> F32:
-    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True), np.float32)
+    units = np.empty(vectors.shape, np.float32)
+    in_slices(_fill_units, len(vectors), units, vectors)
+    return units
+
+
+@njit(cache=True, nogil=True)
+def _fill_units(first: int, past: int, units: F32, vectors: F64) -> None:
+    """Fill in vectors `first` to `past` at a length of 1."""
+    for i in range(first, past):
+        length = math.sqrt(vectors[i, 0] ** 2 + vectors[i, 1] ** 2 + vectors[i, 2] ** 2)
+        for axis in range(3):
+            units[i, axis] = vectors[i, axis] / length
