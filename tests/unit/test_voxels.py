@@ -7,7 +7,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from enfilade.ingest import voxels
+from enfilade.ingest import shards as shards_of
 from enfilade.ingest.records import Chunk
 from enfilade.ingest.voxels import VoxelPoints, VoxelSet
 
@@ -17,8 +17,8 @@ FIRST_ROOM = 16
 
 @pytest.fixture(autouse=True)
 def little_room(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(voxels, "_FIRST_ROOM", FIRST_ROOM)
-    monkeypatch.setattr(voxels, "_FIRST_PLACES", 64)
+    monkeypatch.setattr(shards_of, "_FIRST_ROOM", FIRST_ROOM)
+    monkeypatch.setattr(shards_of, "_FIRST_PLACES", 64)
 
 
 def chunks(seed: int, spread_m: float) -> list[tuple[Chunk, int]]:
