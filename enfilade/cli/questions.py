@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import click
@@ -12,6 +14,7 @@ import click
 from enfilade.cli.answers import json_text, write_answer
 from enfilade.cli.terminal import open_archive
 from enfilade.errors import InputError, UnsupportedError
+from enfilade.stores import Store
 
 FORMATS = ("table", "json", "csv", "parquet")
 SECONDS = click.FloatRange(min=0.0, min_open=True)
@@ -44,38 +47,93 @@ def query_command(
     explain: bool,
     timeout: float,
 ) -> None:
-    """Ask all buildings in the store and print the ranked matches."""
-    from enfilade.queries import answer
+    """Ask all buildings in the store and print the ranked matches.
 
+    QUESTION may be - for standard input. Without one, on a terminal, a prompt takes one question after another.
+    """
     if form == "parquet" and output is None:
         raise click.UsageError("--format parquet needs -o FILE.")
     if nl and form in ("csv", "parquet"):
         raise click.UsageError(f"--nl is JSON and does not go with --format {form}.")
-    result = answer(
-        open_archive(ctx).store,
-        _question_text(question, file),
+    asker = Asker(
+        ctx,
         parameters={name: _value(text) for name, text in _pairs(params, "--param")},
         likenesses=dict(_pairs(likes, "--like")),
+        form="lines" if nl else form,
+        output=output,
+        explain=explain,
         timeout_s=timeout,
     )
-    if explain:
-        said = json.dumps(result.explanation.to_dict()) if form == "json" else str(result.explanation)
-        click.echo(said, err=True)
-    write_answer(result.columns, result.rows, "lines" if nl else form, output)
+    if question is None and file is None and sys.stdin.isatty():
+        asker.prompt()
+    else:
+        asker.ask(_question_text(question, file))
+
+
+@dataclass
+class Asker:
+    """Answers questions and prints the answers, as the options of the command say."""
+
+    ctx: click.Context
+    parameters: dict[str, object]
+    likenesses: dict[str, str]
+    form: str
+    output: Path | None
+    explain: bool
+    timeout_s: float
+
+    @cached_property
+    def store(self) -> Store:
+        """The store, opened when it is first asked."""
+        return open_archive(self.ctx).store
+
+    def ask(self, question: str) -> None:
+        """Answer one question."""
+        from enfilade.queries import answer
+
+        result = answer(
+            self.store,
+            question,
+            parameters=self.parameters,
+            likenesses=self.likenesses,
+            timeout_s=self.timeout_s,
+        )
+        if self.explain:
+            as_json = self.form in ("json", "lines")
+            click.echo(json.dumps(result.explanation.to_dict()) if as_json else str(result.explanation), err=True)
+        write_answer(result.columns, result.rows, self.form, self.output)
+
+    def prompt(self) -> None:
+        """Answer questions from the terminal until Ctrl-D."""
+        from enfilade.cli.prompt import prompt_for_questions
+
+        prompt_for_questions(self.ask, self.command, lambda: [*self.parameters, *self.likenesses], self.store.url)
+
+    def command(self, word: str, rest: str) -> None:
+        """Do what a line such as ``:param x=12`` says."""
+        if word == ":param":
+            self.parameters |= {name: _value(text) for name, text in _pairs([rest], word)}
+        elif word == ":like":
+            self.likenesses |= dict(_pairs([rest], word))
+        elif word == ":explain":
+            self.explain = not self.explain
+        else:
+            raise click.UsageError(f"there is no command {word}; :help lists them.")
 
 
 def _question_text(question: str | None, file: Path | None) -> str:
     if (question is None) == (file is None):
-        raise click.UsageError("Give the question as an argument, or in a file with -f.")
-    if question is not None:
+        raise click.UsageError("Give the question as an argument, or in a file with -f; - is standard input.")
+    if question is not None and question != "-":
         return question
+    named = "-" if question == "-" else str(file)
     try:
-        content = sys.stdin.buffer.read() if str(file) == "-" else Path(str(file)).read_bytes()
+        content = sys.stdin.buffer.read() if named == "-" else Path(named).read_bytes()
         return content.decode("utf-8-sig")
     except OSError as error:
         raise InputError(f"The question file {file} cannot be read: {error.strerror}.") from None
     except UnicodeDecodeError as error:
-        raise InputError(f"The question file {file} is not UTF-8 text (byte {error.start}).") from None
+        raise InputError(f"The question file {named} is not UTF-8 text (byte {error.start}).") from None
 
 
 def _pairs(given: Iterable[str], option: str) -> list[tuple[str, str]]:

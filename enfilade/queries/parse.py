@@ -78,7 +78,7 @@ def parse(text: str) -> QueryGraph:
         If the text is no question of the language; with line and column.
     """
     try:
-        return Builder(text).question(_parser().parse(text))
+        return Builder(text).question(parser().parse(text))
     except UnexpectedInput as error:
         raise _explained(error, text) from None
     except RecursionError:
@@ -86,9 +86,21 @@ def parse(text: str) -> QueryGraph:
 
 
 @cache
-def _parser() -> Lark:
+def parser() -> Lark:
+    """Return the parser of the language; it is made once."""
     grammar = resources.files(__package__).joinpath("language.lark").read_text(encoding="utf-8")
     return Lark(grammar, parser="lalr", start="question", propagate_positions=True)
+
+
+def is_unfinished(text: str) -> bool:
+    """Whether a text is the beginning of a question, and not yet a whole one."""
+    try:
+        parser().parse(text)
+    except UnexpectedToken as error:
+        return bool(error.token.type == "$END")
+    except UnexpectedCharacters as error:
+        return text.startswith(("'", '"', "`"), error.pos_in_stream)
+    return False
 
 
 def _explained(error: UnexpectedInput, text: str) -> QuestionError:
