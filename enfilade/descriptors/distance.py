@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ThreadPoolExecutor
 from typing import Final
 
 import numpy as np
@@ -12,10 +10,12 @@ from numpy.typing import NDArray
 
 from enfilade.schema.counts import TOTAL
 
+from .threads import over_rows
+
 _FIXED_POINT: Final = 2.0**36
 """Terms are rounded to multiples of 2⁻³⁶ counts: their sum is below 2⁵³ of them, so it is exact in any order."""
 
-_ROWS_PER_THREAD: Final = 2048
+_ROWS_A_THREAD: Final = 2048
 
 
 def distances(query: NDArray[np.uint16], table: NDArray[np.uint16], shape: tuple[int, int, int]) -> NDArray[np.float64]:
@@ -47,20 +47,31 @@ def distances(query: NDArray[np.uint16], table: NDArray[np.uint16], shape: tuple
     views = np.atleast_2d(query)
     if views.shape[1] != bins or table.ndim != 2 or table.shape[1] != bins:
         raise ValueError(f"descriptors of {views.shape[1]} and {table.shape[-1]} bins do not fit the shape {shape}")
-    rings = (-1, shape[0] * shape[1], shape[2])
-    rows = table.reshape(rings)
-    # Written twice in a row, the sectors of a view can be read from any shift on without wrapping.
-    twice = np.tile(views.reshape(rings), 2).astype(np.float64)
-    filled = np.asarray(twice.any(axis=2))
+    rows = rings_and_sectors(table, shape)
     nearest = np.full(len(rows), 2.0)
-    starts = range(0, len(rows), _ROWS_PER_THREAD)
-    parts = [slice(start, start + _ROWS_PER_THREAD) for start in starts]
-    if len(parts) < 2:
-        _nearest(twice, filled, rows, nearest)
-        return nearest
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        list(pool.map(lambda part: _nearest(twice, filled, rows[part], nearest[part]), parts))
+    over_rows(_nearest, len(rows), _ROWS_A_THREAD, *prepared(views, shape), rows, nearest)
     return nearest
+
+
+def prepared(views: NDArray[np.uint16], shape: tuple[int, int, int]) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Return views as they are compared.
+
+    Written twice in a row, the sectors of a view can be read from any shift on without wrapping.
+
+    Returns
+    -------
+    twice
+        ``(V, rings, 2 sectors)`` counts.
+    filled
+        ``(V, rings)`` whether a ring holds anything.
+    """
+    twice = np.tile(rings_and_sectors(views, shape), 2).astype(np.float64)
+    return twice, np.asarray(twice.any(axis=2))
+
+
+def rings_and_sectors(counts: NDArray[np.uint16], shape: tuple[int, int, int]) -> NDArray[np.uint16]:
+    """Return flat descriptors ``(n, bins)`` as ``(n, rings, sectors)``; a ring is one slice of one shell."""
+    return counts.reshape(-1, shape[0] * shape[1], shape[2])
 
 
 def best_turn(query: NDArray[np.uint16], other: NDArray[np.uint16], shape: tuple[int, int, int]) -> float:
@@ -91,39 +102,54 @@ def best_turn(query: NDArray[np.uint16], other: NDArray[np.uint16], shape: tuple
     return float(turn) * 2 * np.pi / shape[2]
 
 
-def _nearest_rows(
-    views: NDArray[np.float64], filled: NDArray[np.bool_], rows: NDArray[np.uint16], nearest: NDArray[np.float64]
-) -> None:
-    """Lower each row's `nearest` to its distance from the nearest view.
+def _view_distance(
+    view: NDArray[np.float64], filled: NDArray[np.bool_], row: NDArray[np.uint16], overlap: NDArray[np.float64]
+) -> float:
+    """Distance of a row from one view.
 
     (q - o)² / (q + o) = q + o - 4 q o / (q + o), so the distance is 2 - 4 Σ q o / (q + o): only bins that hold
     something in both need a division, and rings that are empty in one need nothing.
 
     Parameters
     ----------
-    views
-        ``(V, rings, 2 sectors)`` counts, the sectors twice.
-    filled
-        ``(V, rings)`` whether a ring of a view holds anything.
-    rows
-        ``(n, rings, sectors)`` counts.
-    nearest
-        ``(n,)``, changed in place.
+    view, filled
+        ``(rings, 2 sectors)`` and ``(rings,)``, as `prepared` gives them.
+    row
+        ``(rings, sectors)`` counts.
+    overlap
+        ``(sectors,)`` room for the overlap at each shift.
     """
-    sectors = rows.shape[2]
-    for i in range(rows.shape[0]):
-        overlap = np.zeros((views.shape[0], sectors))
-        for r in range(rows.shape[1]):
-            for s in range(sectors):
-                o = float(rows[i, r, s])
-                if o == 0.0:
-                    continue
-                for v in range(views.shape[0]):
-                    if filled[v, r]:
-                        for shift in range(sectors):
-                            q = views[v, r, s + shift]
-                            overlap[v, shift] += np.rint(q * o / (q + o) * _FIXED_POINT)
-        nearest[i] = min(nearest[i], 2.0 - 4.0 * overlap.max() / (_FIXED_POINT * TOTAL))
+    sectors = row.shape[1]
+    overlap[:] = 0.0
+    for r in range(row.shape[0]):
+        if not filled[r]:
+            continue
+        for s in range(sectors):
+            o = float(row[r, s])
+            if o == 0.0:
+                continue
+            for shift in range(sectors):
+                q = view[r, s + shift]
+                overlap[shift] += np.rint(q * o / (q + o) * _FIXED_POINT)
+    return float(2.0 - 4.0 * overlap.max() / (_FIXED_POINT * TOTAL))
+
+
+view_distance = njit(cache=True, nogil=True, error_model="numpy")(_view_distance)
+
+
+def _nearest_rows(
+    first: int,
+    past: int,
+    views: NDArray[np.float64],
+    filled: NDArray[np.bool_],
+    rows: NDArray[np.uint16],
+    nearest: NDArray[np.float64],
+) -> None:
+    """Lower each row's `nearest` to its distance from the nearest view."""
+    overlap = np.empty(rows.shape[2])
+    for i in range(first, past):
+        for v in range(views.shape[0]):
+            nearest[i] = min(nearest[i], view_distance(views[v], filled[v], rows[i], overlap))
 
 
 _nearest = njit(cache=True, nogil=True, error_model="numpy")(_nearest_rows)
