@@ -13,6 +13,7 @@ import pytest
 from hypothesis import settings
 
 from enfilade import server
+from enfilade.cache import CACHE_VARIABLE, cache_folder
 from enfilade.errors import ServerError
 from enfilade.schema.exchange import read_graph
 from enfilade.schema.graph import BuildingGraph
@@ -24,6 +25,18 @@ settings.register_profile("enfilade", deadline=None, derandomize=True)
 settings.load_profile("enfilade")
 
 GRAPHS = Path(__file__).parent / "graphs"
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """A cache folder of this run's own; only the jars of Neo4j are the user's."""
+    jars = cache_folder() / "neo4j-jars"
+    jars.mkdir(parents=True, exist_ok=True)
+    own = tmp_path_factory.mktemp("cache")
+    (own / "neo4j-jars").symlink_to(jars)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(CACHE_VARIABLE, str(own))
+        yield
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+import math
+from collections.abc import Mapping
 from typing import Any
 
 from enfilade.errors import QuestionError
@@ -21,12 +20,15 @@ from .parse import NESTED, parse
 from .query_graph import Pattern, QueryGraph
 from .relaxation import condition_texts
 from .result import UNMET, Result, Unmet
+from .run.best_objects import BestObjects, surely_best
 from .run.matches import Match
-from .run.matching import Matcher
+from .run.matching import Ids, Matcher
 from .run.near import NearMisses
 from .run.needs import needed_properties
 from .run.pruning import is_apart, likened_nodes, one_of_each, scored, uses_segments_once, without_overlap
 from .run.rows import Row, check_rows, number_of_rows, ranked, rows_of
+from .run.shortcuts import is_anchored, rows_needed
+from .run.values import measure_likeness
 from .sayable import is_mixed
 from .symmetry import Symmetry, order_of_appearance, question_symmetries, smaller_first
 from .syntax import Subquery, walk
@@ -73,8 +75,12 @@ def answer(
         query = _understood(asked, parameters or {}, given)
     except RecursionError:
         raise QuestionError(NESTED) from None
-    answering = _Answering(store, query, Examples(store, given), Deadline(timeout_s), run=not explain_only)
-    return _result(query, answering.rows(), condition_texts(asked.pattern, asked.text), answering.explanation)
+    deadline = Deadline(timeout_s)
+    examples = Examples(store, given, deadline.check)
+    answering = _Answering(store, query, examples, deadline, run=not explain_only)
+    rows = answering.rows()
+    answering.explanation.tell_likeness(examples)
+    return _result(query, rows, condition_texts(asked.pattern, asked.text), answering.explanation)
 
 
 def _understood(query: QueryGraph, parameters: Mapping[str, Any], given: Mapping[str, Any]) -> QueryGraph:
@@ -122,12 +128,13 @@ class _Answering:
         )
 
     def rows(self) -> list[Row]:
-        with self._timed("symmetry of the question"):
+        with self.explanation.timed("symmetry of the question"):
             symmetries = [] if self._query.keep_all else question_symmetries(self._query)
         order = list(dict.fromkeys(name for pattern in self._patterns for name in order_of_appearance(pattern)))
         if self._query.relax is not None:
             return self._with_near_misses(symmetries, order)
-        return self._finished(self._scored(self._matches(symmetries, order)), symmetries, order)
+        rows = self._best_rows(symmetries, order)
+        return self._finished(self._matches(symmetries, order), symmetries, order) if rows is None else rows
 
     def _with_near_misses(self, symmetries: list[Symmetry], order: list[str]) -> list[Row]:
         """Rows of full matches and near misses; those with more unmet are not looked for if there are rows enough."""
@@ -136,18 +143,38 @@ class _Answering:
         matches: list[Match] = []
         rows: list[Row] = []
         for unmet in range((number_of_rows(self._query.relax) or 0) + 1):
-            matches += self._scored(one_of_each(near.with_unmet(unmet), order, symmetries))
+            matches += one_of_each(near.with_unmet(unmet), order, symmetries)
             rows = self._finished(matches, symmetries, order)
             if limit is not None and len(rows) >= limit:
                 break
         return rows
 
-    def _matches(self, symmetries: list[Symmetry], order: list[str]) -> list[Match]:
-        """All matches, options included, one of each set of symmetric ones."""
+    def _best_rows(self, symmetries: list[Symmetry], order: list[str]) -> list[Row] | None:
+        """Answer from the matches that hold the best objects; None where that is not enough."""
+        needed = rows_needed(self._query)
+        if needed is None or is_anchored(self._query.pattern) or not self._run:
+            return None
+        with self.explanation.timed("examples and bounds"):
+            best = BestObjects(self._query.pattern, self._examples, needed)
+        found: dict[Any, Match] = {}
+        while best.grow(self.explanation):
+            for name, ids in best.new.items():
+                for match in self._matches(symmetries, order, {name: ids}):
+                    found.setdefault(tuple(match.id_of(name) for name in order), match)
+            rows = self._finished(list(found.values()), symmetries, order, best.beyond)
+            if best.is_all or len(rows) == number_of_rows(self._query.limit):
+                return rows
+        return None
+
+    def _matches(self, symmetries: list[Symmetry], order: list[str], best: Ids | None = None) -> list[Match]:
+        """All matches, options included, one of each set of symmetric ones.
+
+        With `best`, only those in which the named nodes are some of the best objects.
+        """
         in_store = not self._query.optional and not any(is_mixed(edge) for edge in self._query.pattern.edges)
         smaller = tuple(smaller_first(order, symmetries)) if in_store else ()
         scope: Scope = {}
-        (matches,) = self._matcher.extended(self._query.pattern, scope, [Match({})], "MATCH", smaller)
+        (matches,) = self._matcher.extended(self._query.pattern, scope, [Match({})], "MATCH", smaller, best)
         scope = scope_of(self._query.pattern, scope)
         for pattern in self._query.optional:
             matches = self._with_option(matches, pattern, scope)
@@ -167,42 +194,36 @@ class _Answering:
     def _fits(self, extended: Match, match: Match) -> bool:
         """Whether what an option adds is none of what the match has, nor shares a segment with it."""
         new = [name for name in extended.elements if name not in match.elements]
-        objects = [node.name for pattern in self._patterns for node in pattern.nodes if node.label == "Object"]
+        objects = {node.name for pattern in self._patterns for node in pattern.nodes if node.label == "Object"}
         edges = [edge for pattern in self._patterns for edge in pattern.edges]
         joined = [frozenset((edge.left, edge.right)) for edge in edges if "PART_OF" in edge.types]
         return is_apart(extended, new, match.elements) and uses_segments_once(extended, objects, joined)
 
-    def _scored(self, matches: list[Match]) -> list[Match]:
-        self._answer_columns(matches)
-        return scored(matches, likened_nodes(self._patterns), self._examples)
-
-    def _finished(self, matches: list[Match], symmetries: list[Symmetry], order: list[str]) -> list[Row]:
-        with self._timed("order, columns"):
-            return self._ordered(matches, symmetries, order)
-
-    def _ordered(self, matches: list[Match], symmetries: list[Symmetry], order: list[str]) -> list[Row]:
-        likened = likened_nodes(self._patterns)
-        meanings = whole_scope(self._query)
-        named = [name for name in order if not name.startswith("#") and meanings[name].is_node]
-        rest = [name for name in order if name not in named]
-        self.explanation.counts["matches"] = len(matches)
-        if likened and not self._query.keep_all:
-            matches = without_overlap(matches, [*named, *rest], likened, symmetries)
-            self.explanation.counts["matches that overlap no better one"] = len(matches)
-        self.explanation.counts["distances computed"] = self._examples.compared
-        if not self._run:
-            return []
-        return rows_of(self._query, self._deadline.watched(ranked(matches, named, rest)), named, self._examples)
+    def _finished(
+        self, matches: list[Match], symmetries: list[Symmetry], order: list[str], beyond: float = math.inf
+    ) -> list[Row]:
+        """Rows of matches; all others are farther from the examples than `beyond`."""
+        with self.explanation.timed("scores, order, columns"):
+            likened = likened_nodes(self._patterns)
+            matches = surely_best(scored(matches, likened, self._examples), beyond)
+            self._answer_columns(matches)
+            meanings = whole_scope(self._query)
+            named = [name for name in order if not name.startswith("#") and meanings[name].is_node]
+            rest = [name for name in order if name not in named]
+            self.explanation.counts["matches"] = len(matches)
+            if likened and not self._query.keep_all:
+                matches = without_overlap(matches, [*named, *rest], likened, symmetries)
+                self.explanation.counts["matches that overlap no better one"] = len(matches)
+            if not self._run:
+                return []
+            return rows_of(self._query, self._deadline.watched(ranked(matches, named, rest)), named, self._examples)
 
     def _answer_columns(self, matches: list[Match]) -> None:
         """Answer the subqueries in RETURN and ORDER BY."""
         expressions = (*(c.expression for c in self._query.columns), *(k.expression for k in self._query.order))
+        for expression in expressions:
+            measure_likeness(expression, matches, self._examples)
         for part in (part for expression in expressions for part in walk(expression)):
             if isinstance(part, Subquery):
-                self._matcher.answer(part, matches, whole_scope(self._query))
-
-    @contextmanager
-    def _timed(self, what: str) -> Iterator[None]:
-        start = time.perf_counter()
-        yield
-        self.explanation.seconds[what] = time.perf_counter() - start
+                rest = [match for match in matches if id(part) not in match.answers]
+                self._matcher.answer(part, rest, whole_scope(self._query))

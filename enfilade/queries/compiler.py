@@ -49,6 +49,13 @@ class GivenIds:
 
 
 @dataclass(frozen=True, slots=True)
+class BestIds:
+    """Stands for the ids of the best objects for a likened node; they are put in before the text is run."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
 class Wanted:
     """One column of a compiled question: a property of an element; an edge's ``id`` is the engine's own."""
 
@@ -85,6 +92,10 @@ class Search:
         Names of objects that may be combinations.
     counted
         Conditions that may be unmet, in a search for near misses.
+    likeness_after
+        Whether likeness is tested on the rows: where these are few anyway, that is less than to find all that is like.
+    best
+        Names of likened nodes of which only some of the best objects are asked for.
     """
 
     expansion: Expansion
@@ -94,6 +105,14 @@ class Search:
     smaller: tuple[tuple[str, str], ...]
     combining: frozenset[str]
     counted: Counted | None = None
+    likeness_after: bool = False
+    best: frozenset[str] = frozenset()
+
+    @property
+    def likened_after(self) -> tuple[Point, ...]:
+        """Nodes whose limit of likeness is tested on the rows."""
+        limited = (p for p in self.expansion.points if p.likeness is not None and p.likeness.within is not None)
+        return tuple(limited) if self.likeness_after else ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,16 +256,19 @@ class Compiler(ABC):
         if point.single:
             found.append(f"{self._parts(alias)} = 1")
         if point.likeness is not None:
-            found.append(self._likeness(alias, point.likeness, inner=inner))
+            found.append(self._likeness(point.name, point.likeness, inner=inner))
         if point.given and not inner:
             found.append(self._among(self._property(alias, "id"), self._parameter(GivenIds(point.name))))
         return found
 
-    def _likeness(self, alias: str, likeness: Likeness, *, inner: bool) -> str:
+    def _likeness(self, name: str, likeness: Likeness, *, inner: bool) -> str:
         """Test likeness where a limit makes the list short or nothing comes after; else leave out what has no shape."""
-        if inner or likeness.within is not None:
-            return self._among(self._property(alias, "id"), self._parameter(LikeIds(likeness)))
-        shapes = (self._property(alias, name) for name in ("descriptor", "foot_descriptor"))
+        id = self._of(name, "id")
+        if name in self._search.best and not inner:
+            return self._among(id, self._parameter(BestIds(name)))
+        if inner or (likeness.within is not None and not self._search.likeness_after):
+            return self._among(id, self._parameter(LikeIds(likeness)))
+        shapes = (self._of(name, property) for property in ("descriptor", "foot_descriptor"))
         return f"({' OR '.join(f'{shape} IS NOT NULL' for shape in shapes)})"
 
     def _constraint(self, alias: str, constraint: Constraint) -> str:

@@ -1,4 +1,4 @@
-"""What LIKE refers to, and how far every stored object is from it (Eq. 11).
+"""What LIKE refers to, and how far stored objects are from it (Eq. 11).
 
 A stored object is compared by `descriptor`, whose base is the floor. A file has no height over the floor: it is
 compared by `foot_descriptor`, foot on foot. An object without one is compared by `descriptor`, as if the example
@@ -7,25 +7,24 @@ stood on the floor. With ``AT`` the file is set at that height and compared by `
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from enfilade.descriptors import DEFAULT_LAYOUT, PAPER_LAYOUT, Layout, Shape, distances, mesh_views, read_shape
+from enfilade.descriptors import DEFAULT_LAYOUT, PAPER_LAYOUT, Layout, Shape, mesh_views, read_shape
+from enfilade.descriptors.nearest import Effort
 from enfilade.errors import NotFoundError, QuestionError
-from enfilade.stores.base import DescriptorTable, Store
+from enfilade.stores.base import Store
+from enfilade.stores.described import FLOOR, FOOT, Described, DescribedObjects
 
 from .query_graph import Likeness
+from .ranking import Part, Ranking
 from .syntax import Call, Expression, Literal, Parameter
 
 OBJECT_PREFIX = "object:"
-
-_DECIMALS = 12
-"""Distances are exact to this many decimals; what lies beyond is noise of the summing."""
 
 _EXISTS = {
     "sql": 'SELECT id FROM "object" WHERE id = :id',
@@ -33,8 +32,11 @@ _EXISTS = {
 }
 
 
+Key = tuple[Expression, tuple[Expression, Expression] | None]
+
+
 class Examples:
-    """Reads the examples of a question and measures the objects of a store against them, once each.
+    """Reads the examples of a question and ranks the objects of a store by their likeness to each.
 
     Parameters
     ----------
@@ -42,18 +44,19 @@ class Examples:
         Where the objects are.
     given
         Values of the parameters that LIKE may refer to: a path, ``object:ID``, or a shape.
+    check
+        Called now and then while descriptors are read; what it raises breaks that off.
     """
 
-    def __init__(self, store: Store, given: Mapping[str, Any]) -> None:
+    def __init__(self, store: Store, given: Mapping[str, Any], check: Callable[[], None] = lambda: None) -> None:
         self._store = store
         self._given = given
-        self._distances: dict[tuple[Expression, tuple[Expression, Expression] | None], dict[str, float]] = {}
-        self._tables: dict[str, list[DescriptorTable]] = {}
-        self.compared = 0
-        """Distances computed so far, a mesh with all its views counted once an object."""
+        self._check = check
+        self._rankings: dict[Key, Ranking] = {}
+        self._described: Described | None = None
 
-    def distances(self, likeness: Likeness) -> Mapping[str, float]:
-        """Distance of every object that can be compared with the example, by id.
+    def ranking(self, likeness: Likeness) -> Ranking:
+        """Return the ranking by likeness to an example, one for all that name it alike.
 
         Raises
         ------
@@ -63,28 +66,47 @@ class Examples:
             If the example's file cannot be read.
         """
         key = (likeness.reference, likeness.at)
-        if key not in self._distances:
-            self._distances[key] = self._measured(likeness)
-        return self._distances[key]
+        if key not in self._rankings:
+            self._rankings[key] = Ranking(self._parts(likeness))
+        return self._rankings[key]
 
-    def within(self, likeness: Likeness) -> dict[str, float]:
-        """Distances of the objects that are like the example, by id."""
-        found = self.distances(likeness)
+    def within(self, likeness: Likeness) -> Collection[str]:
+        """Ids of the objects that are like the example."""
+        ranking = self.ranking(likeness)
         if likeness.within is None:
-            return dict(found)
-        limit = number_of(likeness.within)
-        return {id: distance for id, distance in found.items() if distance <= limit}
+            return ranking.comparable()
+        return ranking.within(number_of(likeness.within))
 
-    def _measured(self, likeness: Likeness) -> dict[str, float]:
+    def is_like(self, likeness: Likeness, id: str) -> bool:
+        """Whether one object is like the example."""
+        ranking = self.ranking(likeness)
+        if likeness.within is None:
+            return ranking.is_comparable(id)
+        distance = ranking.distance(id)
+        return distance is not None and distance <= number_of(likeness.within)
+
+    @property
+    def efforts(self) -> dict[Key, Effort]:
+        """What each example took so far."""
+        return {key: ranking.effort for key, ranking in self._rankings.items()}
+
+    @property
+    def described(self) -> Described:
+        """The described objects of the store, as they are when the first example is looked at."""
+        if self._described is None:
+            self._described = self._store.described.current(self._check)
+        return self._described
+
+    def _parts(self, likeness: Likeness) -> list[Part]:
         target = self._target(likeness.reference)
         if isinstance(target, str):
             if likeness.at is not None:
                 raise QuestionError("AT is for a file: the height of a stored object is known.")
-            return self._from_object(target)
+            return self._like_object(target)
         if likeness.at is None:
-            return self._foot_on_foot(target)
+            return [part for objects in self.described.objects for part in _foot_on_foot(target, objects)]
         low, high = map(number_of, likeness.at)
-        return self._at_heights(target, low, high)
+        return [_at_heights(target, objects, low, high) for objects in self.described.objects]
 
     def _target(self, reference: Expression) -> str | Shape:
         """Return the id of an object, or a shape."""
@@ -108,45 +130,31 @@ class Examples:
             return read_shape(value)
         raise QuestionError(f"${name} is no example; give a mesh or cloud file, or object:ID.")
 
-    def _from_object(self, id: str) -> dict[str, float]:
-        for property in ("descriptor", "foot_descriptor"):
-            for table in self._table(property):
-                row = next((i for i, known in enumerate(table.ids) if known == id), None)
-                if row is not None:
-                    return self._rows(table.counts[row], table)
+    def _like_object(self, id: str) -> list[Part]:
+        for kind in (FLOOR, FOOT):
+            for objects in self.described.objects:
+                table = objects.table(kind)
+                row = objects.row_of(id)
+                if row is not None and table.valid[row]:
+                    return [Part(objects, table, table.counts[row])]
         if not any(True for _ in self._store.rows(_EXISTS[self._store.dialect], {"id": id})):
             raise NotFoundError(f'there is no object "{id}" in {self._store.url} to be like.')
-        return {}
+        return []
 
-    def _foot_on_foot(self, shape: Shape) -> dict[str, float]:
-        found: dict[str, float] = {}
-        for table in self._table("foot_descriptor"):
-            found |= self._rows(mesh_views(shape, layout_of(table.shape)), table)
-        for table in self._table("descriptor"):
-            rest = [row for row, id in enumerate(table.ids) if id not in found]
-            if rest:
-                found |= self._rows(mesh_views(shape, layout_of(table.shape)), _taken(table, rest))
-        return found
 
-    def _at_heights(self, shape: Shape, low: float, high: float) -> dict[str, float]:
-        found: dict[str, float] = {}
-        for table in self._table("descriptor"):
-            layout = layout_of(table.shape)
-            count = 1 + int(np.ceil((high - low) / layout.slice_height_m - 1e-9))
-            heights = np.linspace(low, high, count)
-            views = [mesh_views(shape, layout, floor_offset_m=float(h), base_offset_m=float(h)) for h in heights]
-            found |= self._rows(np.concatenate(views), table)
-        return found
+def _foot_on_foot(shape: Shape, objects: DescribedObjects) -> Iterator[Part]:
+    views = mesh_views(shape, layout_of(objects.shape))
+    for table in (objects.table(FOOT), objects.floor_without_foot):
+        if table.valid.any():
+            yield Part(objects, table, views)
 
-    def _table(self, property: str) -> Iterable[DescriptorTable]:
-        if property not in self._tables:
-            self._tables[property] = self._store.descriptors(property)
-        return self._tables[property]
 
-    def _rows(self, views: NDArray[np.uint16], table: DescriptorTable) -> dict[str, float]:
-        self.compared += len(table.ids)
-        found = np.round(distances(views, table.counts, table.shape), _DECIMALS)
-        return dict(zip(table.ids, found.tolist(), strict=True))
+def _at_heights(shape: Shape, objects: DescribedObjects, low: float, high: float) -> Part:
+    layout = layout_of(objects.shape)
+    count = 1 + int(np.ceil((high - low) / layout.slice_height_m - 1e-9))
+    heights = np.linspace(low, high, count)
+    views = [mesh_views(shape, layout, floor_offset_m=float(h), base_offset_m=float(h)) for h in heights]
+    return Part(objects, objects.table(FLOOR), np.concatenate(views))
 
 
 def layout_of(shape: tuple[int, int, int]) -> Layout:
@@ -162,8 +170,3 @@ def number_of(expression: Expression) -> float:
     assert isinstance(expression, Literal)
     assert isinstance(expression.value, int | float)
     return expression.value
-
-
-def _taken(table: DescriptorTable, rows: list[int]) -> DescriptorTable:
-    ids = [table.ids[row] for row in rows]
-    return DescriptorTable(table.shape, ids, table.counts[rows], table.floor_offsets[rows])

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from .compiler import Compiled, GivenIds, LikeIds
+from .compiler import BestIds, Compiled, GivenIds, LikeIds
+from .examples import Examples
+from .expansion import Point
 from .printing import expression_text
+from .query_graph import Likeness
 from .syntax import Expression
 
 
@@ -46,33 +51,97 @@ class Step:
         return "\n".join(lines)
 
 
+@dataclass(frozen=True, slots=True)
+class LikenessSearch:
+    """What it took to find what is like one example.
+
+    Attributes
+    ----------
+    example
+        As the question names it.
+    candidates
+        Objects that can be compared with it.
+    bounds
+        Lower bounds computed; an object that is looked at more closely has up to three.
+    distances
+        Objects that were measured, a mesh with all its views counted once.
+    pruned
+        Objects that were not.
+    """
+
+    example: str
+    candidates: int
+    bounds: int
+    distances: int
+    pruned: int
+
+    def __str__(self) -> str:
+        return (
+            f"-- like {self.example}: {self.candidates} candidates, {self.bounds} bounds computed, "
+            f"{self.distances} distances computed, {self.pruned} pruned"
+        )
+
+
 @dataclass(slots=True)
 class Explanation:
     """The steps of an answer and its counts.
 
-    `counts` holds numbers by what they count, `seconds` the time of what is done beside the statements.
+    `likeness` has an entry for each example, `counts` numbers by what they count, `seconds` the time of what is done
+    beside the statements.
     """
 
     store: str
     steps: list[Step] = field(default_factory=list)
+    likeness: list[LikenessSearch] = field(default_factory=list)
     counts: dict[str, int] = field(default_factory=dict)
     seconds: dict[str, float] = field(default_factory=dict)
 
+    @contextmanager
+    def timed(self, what: str) -> Iterator[None]:
+        """Add the time that the block takes."""
+        start = time.perf_counter()
+        yield
+        self.seconds[what] = self.seconds.get(what, 0.0) + time.perf_counter() - start
+
+    def tell_likeness(self, examples: Examples) -> None:
+        """Note what it took to find what is like the examples."""
+        for (reference, at), effort in examples.efforts.items():
+            height = "" if at is None else " AT " + "..".join(dict.fromkeys(map(expression_text, at)))
+            text = f"{expression_text(reference)}{height}"
+            entry = LikenessSearch(text, effort.candidates, effort.bounds, effort.distances, effort.pruned)
+            self.likeness.append(entry)
+        if self.likeness:
+            self.counts["buildings whose descriptors were read"] = examples.described.read_anew
+            self.seconds["reading descriptors"] = examples.described.seconds
+
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values for JSON."""
-        steps = [{name: getattr(step, name) for name in Step.__slots__} for step in self.steps]
-        return {"store": self.store, "steps": steps, "counts": self.counts, "seconds": self.seconds}
+        return {
+            "store": self.store,
+            "steps": [asdict(step) for step in self.steps],
+            "likeness": [asdict(search) for search in self.likeness],
+            "counts": self.counts,
+            "seconds": self.seconds,
+        }
 
     def __str__(self) -> str:
-        lines = [f"-- store: {self.store}", *map(str, self.steps)]
+        lines = [f"-- store: {self.store}", *map(str, self.steps), *map(str, self.likeness)]
         lines += [f"-- {what}: {count}" for what, count in self.counts.items()]
         lines += [f"-- {what}: {1000 * seconds:.1f} ms" for what, seconds in self.seconds.items()]
         return "\n".join(lines)
 
 
-def step_of(title: str, compiled: Compiled, after: Sequence[Expression]) -> Step:
-    """Return the step that a statement is, before it is run."""
-    return Step(title, compiled.text, shown_parameters(compiled.parameters), [expression_text(e) for e in after])
+def step_of(title: str, compiled: Compiled, after: Iterable[Expression], likened: Iterable[Point]) -> Step:
+    """Return the step that a statement is, before it is run; what is tested on its rows are conditions and likeness."""
+    tested = [f"{p.name} LIKE {likeness_text(p.likeness)}" for p in likened if p.likeness is not None]
+    tested += [expression_text(expression) for expression in after]
+    return Step(title, compiled.text, shown_parameters(compiled.parameters), tested)
+
+
+def likeness_text(likeness: Likeness) -> str:
+    """Return what stands behind LIKE."""
+    limit = "" if likeness.within is None else f" WITHIN {expression_text(likeness.within)}"
+    return f"{expression_text(likeness.reference)}{limit}"
 
 
 def shown_parameters(parameters: Mapping[str, Any]) -> dict[str, Any]:
@@ -82,6 +151,7 @@ def shown_parameters(parameters: Mapping[str, Any]) -> dict[str, Any]:
 
 def _shown(value: Any) -> Any:
     if isinstance(value, LikeIds):
-        limit = "" if value.likeness.within is None else f" WITHIN {expression_text(value.likeness.within)}"
-        return f"ids of objects LIKE {expression_text(value.likeness.reference)}{limit}"
+        return f"ids of objects LIKE {likeness_text(value.likeness)}"
+    if isinstance(value, BestIds):
+        return f"ids of the best objects for {value.name}"
     return f"ids that {value.name} has so far" if isinstance(value, GivenIds) else value

@@ -47,7 +47,7 @@ What is here beside the above is for keeping, not for asking.
 | rings, mapping | JSON text | JSON text |
 | descriptor | bytes: counts as little-endian uint16 | the same, as a byte array |
 | properties not listed here | `extra`, a JSON object | `extra`, a JSON object |
-| of the graph as a whole | `descriptor_shape`, `attributes` of `building` | the same, of `Building` |
+| of the graph as a whole | `descriptor_shape`, `attributes`, `revision` of `building` | the same, of `Building` |
 | schema version | `PRAGMA user_version` | `(:EnfiladeSchema {version})` |
 | writers take turns | by SQLite's lock | on `(:EnfiladeWriter)` |
 """

@@ -19,8 +19,11 @@ from enfilade.schema.encoding import as_json
 APPLICATION_ID: Final = 0x454E464C
 """``ENFL``, in the header of every SQLite file of ours."""
 
-BUILDING_COLUMNS: Final = ("descriptor_shape", "attributes")
-"""What the table ``building`` has besides: about the graph as a whole, as JSON text."""
+BUILDING_COLUMNS: Final = ("descriptor_shape", "attributes", "revision")
+"""What the table ``building`` has besides: about the graph as a whole, as JSON text; a word new at each writing."""
+
+REVISION_INDEX: Final = 'CREATE INDEX IF NOT EXISTS "building_revision" ON "building" ("id", "revision")'
+"""Reads all revisions without reading the buildings."""
 
 _TYPES: Final = {Kind.INTEGER: "INTEGER", Kind.REAL: "REAL", Kind.DESCRIPTOR: "BLOB"}
 
@@ -39,7 +42,14 @@ def statements() -> list[str]:
     """All statements that make the tables and indexes of an empty store."""
     nodes = [text for node in NODE_TYPES for text in _node_statements(node)]
     edges = [text for edge in EDGE_TYPES for text in _edge_statements(edge)]
-    return nodes + edges
+    return [*nodes, *edges, REVISION_INDEX]
+
+
+def missing_columns(present: Iterable[str]) -> list[str]:
+    """All statements that bring the table ``building`` of an older store up to date."""
+    missing = [name for name in BUILDING_COLUMNS if name not in set(present)]
+    added = [f"ALTER TABLE {table('Building')} ADD COLUMN {quoted(name)} TEXT" for name in missing]
+    return [*added, REVISION_INDEX] if added else []
 
 
 def to_column(value: Any, kind: Kind) -> Any:

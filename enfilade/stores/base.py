@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import math
+import secrets
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from types import TracebackType
-from typing import Any, ClassVar, Final, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from enfilade.errors import EnfiladeError
 from enfilade.schema.graph import BuildingGraph
+from enfilade.schema.ids import MAX_SEGMENTS, parse
+
+if TYPE_CHECKING:
+    from enfilade.stores.descriptor_cache import DescriptorCache
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,25 +37,53 @@ class BuildingSummary:
 
 
 @dataclass(frozen=True, slots=True)
-class DescriptorTable:
-    """All descriptors of one kind and shape in a store, one row an object.
+class BuildingDescriptors:
+    """Descriptors of the objects of one building, as it was written last.
 
     Attributes
     ----------
+    building
+        Its id.
+    revision
+        What tells this version of the building from all others; None where it is not known.
     shape
-        Slices, shells, sectors.
-    ids
-        n object ids.
-    counts
-        ``(n, bins) uint16``, each row sums to `enfilade.descriptors.TOTAL`.
-    floor_offsets
-        ``(n,) float32`` metres, NaN where unknown.
+        Slices, shells, sectors; None for a building without descriptors.
+    numbers
+        ``(n, 3) int64`` numbers of each object's segments, as in its id; -1 for none.
+    floor, foot
+        ``(n, bins) uint16``, `descriptor` and `foot_descriptor`; zeros where one is missing, never both.
     """
 
-    shape: tuple[int, int, int]
-    ids: Sequence[str]
-    counts: NDArray[np.uint16]
-    floor_offsets: NDArray[np.float32]
+    building: str
+    revision: str | None
+    shape: tuple[int, int, int] | None
+    numbers: NDArray[np.int64]
+    floor: NDArray[np.uint16]
+    foot: NDArray[np.uint16]
+
+    @classmethod
+    def from_rows(
+        cls,
+        building: str,
+        revision: str | None,
+        shape: tuple[int, int, int] | None,
+        rows: Sequence[tuple[str, bytes | None, bytes | None]],
+    ) -> BuildingDescriptors:
+        """Return the descriptors from rows of id, `descriptor`, `foot_descriptor`, as stores hold them."""
+        bins = 0 if shape is None else math.prod(shape)
+        missing = bytes(2 * bins)
+        blobs = ([floor or missing for _, floor, _ in rows], [foot or missing for _, _, foot in rows])
+        floor, foot = (
+            np.frombuffer(b"".join(kind), dtype="<u2").reshape(len(rows), bins).astype(np.uint16, copy=False)
+            for kind in blobs
+        )
+        numbers = np.array([(*parse(id).numbers, -1, -1)[:MAX_SEGMENTS] for id, _, _ in rows], dtype=np.int64)
+        return cls(building, revision, shape, numbers.reshape(-1, MAX_SEGMENTS), floor, foot)
+
+
+def new_revision() -> str:
+    """Return a word that no building was ever marked with."""
+    return secrets.token_hex(8)
 
 
 ROWS_AT_ONCE: Final = 8_000
@@ -87,6 +122,11 @@ class Store(ABC):
     @abstractmethod
     def url(self) -> str:
         """Address of the store, without a password."""
+
+    @property
+    def identity(self) -> str:
+        """What tells the store from all others of this user, wherever it is opened from."""
+        return self.url
 
     def write(self, graph: BuildingGraph) -> None:
         """Put a building in, in one transaction; an older version of it disappears in the same moment."""
@@ -127,8 +167,19 @@ class Store(ABC):
         """Return the engine's own plan for a compiled question, as text."""
 
     @abstractmethod
-    def descriptors(self, property: str) -> list[DescriptorTable]:
-        """All values of ``descriptor`` or ``foot_descriptor``, one table a shape."""
+    def revisions(self) -> dict[str, str | None]:
+        """Of each building what tells its version from all others, None where that is not known."""
+
+    @abstractmethod
+    def descriptors(self, buildings: Sequence[str]) -> Iterator[BuildingDescriptors]:
+        """Yield the descriptors of buildings, each as it stood at one moment; one that is gone is left out."""
+
+    @cached_property
+    def described(self) -> DescriptorCache:
+        """The descriptors of all objects, kept at hand."""
+        from enfilade.stores.descriptor_cache import DescriptorCache  # which needs this module
+
+        return DescriptorCache(self)
 
     @abstractmethod
     def close(self) -> None:

@@ -19,7 +19,7 @@ from enfilade.schema.graph import BuildingGraph
 from enfilade.schema.ids import parse
 from enfilade.schema.neo4j import SCHEMA_LABEL, statements
 from enfilade.stores import neo4j_graph, neo4j_tables, neo4j_turns
-from enfilade.stores.base import BuildingSummary, DescriptorTable, Store
+from enfilade.stores.base import BuildingDescriptors, BuildingSummary, Store
 from enfilade.stores.neo4j_watch import ended_in_time
 
 DEFAULT_DATABASE: Final = "neo4j"
@@ -28,6 +28,9 @@ RETRY_TIME_S: Final = 30.0
 """How long the driver tries a transaction again that failed for a passing reason."""
 
 FETCH_SIZE: Final = 2000
+
+BUILDINGS_AT_ONCE: Final = 8
+"""Buildings whose descriptors one transaction reads; a large one has some tens of megabytes of them."""
 
 T = TypeVar("T")
 
@@ -140,11 +143,16 @@ class Neo4jStore(Store):
             summary = session.run(f"EXPLAIN {text}", dict(parameters)).consume()
         return "\n".join(neo4j_tables.plan_lines(summary.plan or {}))
 
-    def descriptors(self, property: str) -> list[DescriptorTable]:
-        """All values of ``descriptor`` or ``foot_descriptor``, one table a shape, objects by building, as written."""
-        return neo4j_tables.descriptor_tables(
-            self._read(lambda transaction: neo4j_tables.descriptors(transaction, property))
-        )
+    def revisions(self) -> dict[str, str | None]:
+        """Of each building what tells its version from all others, None where that is not known."""
+        return dict(self._read(neo4j_tables.revisions))
+
+    def descriptors(self, buildings: Sequence[str]) -> Iterator[BuildingDescriptors]:
+        """Yield the descriptors of buildings, each as it stood at one moment; one that is gone is left out."""
+        for first in range(0, len(buildings), BUILDINGS_AT_ONCE):
+            some = buildings[first : first + BUILDINGS_AT_ONCE]
+            for found in self._read(partial(neo4j_tables.descriptors, buildings=some)):
+                yield neo4j_tables.building_descriptors(*found)
 
     def close(self) -> None:
         """Let go of the connections."""

@@ -21,6 +21,7 @@ from enfilade.schema.definition import (
 from enfilade.schema.encoding import as_json
 from enfilade.schema.graph import BuildingGraph, Edge, Node
 from enfilade.schema.neo4j import from_property, to_property
+from enfilade.stores.base import new_revision
 
 BATCH: Final = 2000
 """Rows that one statement takes; with descriptors a row has some 6 kB."""
@@ -120,7 +121,7 @@ def _by_sequence(row: tuple[int, Any]) -> int:
 
 def _header(graph: BuildingGraph) -> dict[str, Any]:
     shape = None if graph.descriptor_shape is None else list(graph.descriptor_shape)
-    return {"descriptor_shape": shape, "attributes": as_json(graph.attributes)}
+    return {"descriptor_shape": shape, "attributes": as_json(graph.attributes), "revision": new_revision()}
 
 
 def _node_row(node: Node, sequence: int) -> dict[str, Any]:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
 from neo4j import ManagedTransaction, Transaction
 from neo4j.graph import Node, Path, Relationship
 
-from enfilade.stores.base import BuildingSummary, DescriptorTable
+from enfilade.stores.base import BuildingDescriptors, BuildingSummary
+from enfilade.stores.neo4j_graph import shape_of
 
 Reader = ManagedTransaction | Transaction
 
@@ -24,6 +25,15 @@ RETURN b.id, b.name,
     CASE WHEN measured > 0 THEN area END,
     b.ingested_at
 """
+
+_HEADERS: Final = (
+    "UNWIND $buildings AS building MATCH (b:Building {id: building}) RETURN b.id, b.revision, b.descriptor_shape"
+)
+_DESCRIPTORS: Final = (
+    "UNWIND $buildings AS building MATCH (o:Object {building: building}) "
+    "WHERE o.descriptor IS NOT NULL OR o.foot_descriptor IS NOT NULL "
+    "RETURN building, o.sequence, o.id, o.descriptor, o.foot_descriptor"
+)
 
 
 def summaries(transaction: Reader) -> list[list[Any]]:
@@ -44,29 +54,28 @@ def plan_lines(plan: Mapping[str, Any], depth: int = 0) -> Iterator[str]:
         yield from plan_lines(child, depth + 1)
 
 
-def descriptors(transaction: Reader, property: str) -> list[tuple[Any, ...]]:
-    """Fetch all descriptors of one kind, as `descriptor_tables` takes them."""
-    text = (
-        f"MATCH (o:Object) WHERE o.`{property}` IS NOT NULL MATCH (b:Building {{id: o.building}}) "
-        f"RETURN b.descriptor_shape, b.id, o.sequence, o.id, o.floor_offset, o.`{property}`"
-    )
-    return [tuple(row) for row in transaction.run(text)]
+def revisions(transaction: Reader) -> list[tuple[str, str | None]]:
+    """Fetch id and revision of each building."""
+    found = transaction.run("MATCH (b:Building) RETURN b.id, b.revision")
+    return [(building, revision) for building, revision in found]
 
 
-def descriptor_tables(rows: Iterable[tuple[Any, ...]]) -> list[DescriptorTable]:
-    """Return descriptors as one table a shape, objects by building, as written."""
-    found: dict[tuple[int, ...], list[tuple[Any, ...]]] = {}
-    for shape, *row in rows:
-        found.setdefault(tuple(shape), []).append(tuple(row))
-    return [_descriptor_table(shape, sorted(found[shape])) for shape in sorted(found)]
+def descriptors(transaction: Reader, buildings: Sequence[str]) -> list[tuple[Any, ...]]:
+    """Fetch the descriptors of some buildings, as `building_descriptors` takes them."""
+    headers = transaction.run(_HEADERS, buildings=list(buildings)).values()
+    rows = transaction.run(_DESCRIPTORS, buildings=list(buildings)).values()
+    found: dict[str, list[Any]] = {building: [] for building, _, _ in headers}
+    for building, *row in rows:
+        found[building].append(row)
+    return [(*header, found[header[0]]) for header in headers]
 
 
-def _descriptor_table(shape: tuple[int, ...], rows: list[tuple[Any, ...]]) -> DescriptorTable:
-    _, _, ids, offsets, blobs = zip(*rows, strict=True)
-    counts = np.frombuffer(b"".join(blobs), dtype="<u2").reshape(len(ids), -1).astype(np.uint16, copy=False)
-    floor_offsets = np.array([np.nan if offset is None else offset for offset in offsets], dtype=np.float32)
-    slices, shells, sectors = shape
-    return DescriptorTable((slices, shells, sectors), ids, counts, floor_offsets)
+def building_descriptors(
+    building: str, revision: str | None, shape: Sequence[int] | None, rows: list[Any]
+) -> BuildingDescriptors:
+    """Return one building's descriptors, objects as written."""
+    ordered = [(id, floor, foot) for _, id, floor, foot in sorted(rows, key=lambda row: row[0])]
+    return BuildingDescriptors.from_rows(building, revision, shape_of(shape), ordered)
 
 
 def plain(value: Any) -> Any:

@@ -15,9 +15,9 @@ from enfilade.schema.checks import check
 from enfilade.schema.definition import SCHEMA_VERSION
 from enfilade.schema.graph import BuildingGraph
 from enfilade.schema.ids import parse
-from enfilade.schema.sqlite import APPLICATION_ID, statements
+from enfilade.schema.sqlite import APPLICATION_ID, missing_columns, statements
 from enfilade.stores import sqlite_graph, sqlite_tables
-from enfilade.stores.base import BuildingSummary, DescriptorTable, Store
+from enfilade.stores.base import BuildingDescriptors, BuildingSummary, Store
 from enfilade.stores.deadline import Deadline
 
 BUSY_TIMEOUT_S: Final = 60.0
@@ -65,6 +65,11 @@ class SQLiteStore(Store):
     def url(self) -> str:
         """``sqlite:PATH``."""
         return f"sqlite:{self._path}"
+
+    @property
+    def identity(self) -> str:
+        """``sqlite:`` and the whole path."""
+        return f"sqlite:{self._path.resolve()}"
 
     def write_all(self, graphs: Sequence[BuildingGraph]) -> None:
         """Put buildings in, all or none, in one transaction; older versions disappear in the same moment."""
@@ -124,10 +129,18 @@ class SQLiteStore(Store):
         with self._reading() as connection:
             return sqlite_tables.plan(connection, text, parameters)
 
-    def descriptors(self, property: str) -> list[DescriptorTable]:
-        """All values of ``descriptor`` or ``foot_descriptor``, one table a shape, objects by building, as written."""
+    def revisions(self) -> dict[str, str | None]:
+        """Of each building what tells its version from all others, None where that is not known."""
         with self._reading() as connection:
-            return sqlite_tables.descriptors(connection, property)
+            return sqlite_tables.revisions(connection)
+
+    def descriptors(self, buildings: Sequence[str]) -> Iterator[BuildingDescriptors]:
+        """Yield the descriptors of buildings, each as it stood at one moment; one that is gone is left out."""
+        for building in buildings:
+            with self._reading() as connection:
+                found = sqlite_tables.descriptors(connection, building)
+            if found is not None:
+                yield found
 
     def close(self) -> None:
         """Let go of the file."""
@@ -166,6 +179,19 @@ class SQLiteStore(Store):
                 if self._is_empty(connection):  # another process may have been faster
                     _make_tables(connection)
         self._check_version(connection)
+        self._add_columns(connection)
+
+    def _add_columns(self, connection: sqlite3.Connection) -> None:
+        """Give a store of the same version what has come since; one that may not be written does without."""
+        if not missing_columns(sqlite_tables.building_columns(connection)):
+            return
+        try:
+            with _transaction(connection):  # another process may have been faster
+                for statement in missing_columns(sqlite_tables.building_columns(connection)):
+                    connection.execute(statement)
+        except sqlite3.OperationalError as error:
+            if error.sqlite_errorname != "SQLITE_READONLY":
+                raise
 
     def _is_empty(self, connection: sqlite3.Connection) -> bool:
         (tables,) = connection.execute("SELECT count(*) FROM sqlite_master").fetchone()

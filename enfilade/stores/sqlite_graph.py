@@ -11,6 +11,7 @@ from enfilade.schema.definition import EDGE_PROPERTIES, EDGES, NODE_PROPERTIES, 
 from enfilade.schema.encoding import as_json
 from enfilade.schema.graph import BuildingGraph, Edge, Node
 from enfilade.schema.sqlite import from_column, quoted, table, to_column
+from enfilade.stores.base import new_revision
 
 _EDGE_COLUMNS: Final = ("pk", "building", "source", "target", "key")
 
@@ -93,8 +94,8 @@ def _insert_rows(
 def _insert_header(connection: sqlite3.Connection, graph: BuildingGraph) -> None:
     shape = None if graph.descriptor_shape is None else as_json(list(graph.descriptor_shape))
     connection.execute(
-        "UPDATE building SET descriptor_shape = ?, attributes = ? WHERE id = ?",
-        (shape, as_json(graph.attributes), graph.building),
+        "UPDATE building SET descriptor_shape = ?, attributes = ?, revision = ? WHERE id = ?",
+        (shape, as_json(graph.attributes), new_revision(), graph.building),
     )
 
 

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any, Final
 
-import numpy as np
-
-from enfilade.schema.sqlite import quoted
-from enfilade.stores.base import BuildingSummary, DescriptorTable
+from enfilade.stores.base import BuildingDescriptors, BuildingSummary
 from enfilade.stores.sqlite_graph import shape_of
 
 _SUMMARIES: Final = """
@@ -23,7 +20,11 @@ SELECT id, name,
 FROM building ORDER BY id
 """
 
-_ROWS_AT_ONCE: Final = 4096
+_DESCRIPTORS: Final = """
+SELECT id, descriptor, foot_descriptor FROM object
+WHERE building = ? AND (descriptor IS NOT NULL OR foot_descriptor IS NOT NULL)
+ORDER BY pk
+"""
 
 
 def summaries(connection: sqlite3.Connection) -> list[BuildingSummary]:
@@ -41,36 +42,24 @@ def plan(connection: sqlite3.Connection, text: str, parameters: Mapping[str, Any
     return "\n".join(lines)
 
 
-def descriptors(connection: sqlite3.Connection, property: str) -> list[DescriptorTable]:
-    """All descriptors of one kind, one table a shape, objects by building and in order of writing."""
-    column = quoted(property)
-    counted = connection.execute(
-        f"SELECT b.descriptor_shape, count(*) FROM object o JOIN building b ON b.id = o.building "
-        f"WHERE o.{column} IS NOT NULL GROUP BY 1 ORDER BY 1"
-    ).fetchall()
-    return [_descriptor_table(connection, column, shape, size) for shape, size in counted]
+def building_columns(connection: sqlite3.Connection) -> set[str]:
+    """Names of the columns of the table ``building``."""
+    return {name for _, name, *_ in connection.execute("PRAGMA table_info(building)")}
 
 
-def _descriptor_table(connection: sqlite3.Connection, column: str, shape: str, size: int) -> DescriptorTable:
-    parsed = shape_of(shape)
-    assert parsed is not None, "the checks let no descriptor in without a shape"
-    counts = np.empty((size, int(np.prod(parsed))), dtype="<u2")
-    floor_offsets = np.empty(size, dtype=np.float32)
-    ids: list[str] = []
-    for rows in _in_parts(connection, column, shape):
-        here = slice(len(ids), len(ids) + len(rows))
-        names, offsets, blobs = zip(*rows, strict=True)
-        ids.extend(names)
-        floor_offsets[here] = [np.nan if offset is None else offset for offset in offsets]
-        counts[here] = np.frombuffer(b"".join(blobs), dtype="<u2").reshape(len(rows), -1)
-    return DescriptorTable(parsed, ids, counts.astype(np.uint16, copy=False), floor_offsets)
+def revisions(connection: sqlite3.Connection) -> dict[str, str | None]:
+    """Revision of each building; a store of old that may not be written has none."""
+    revision = "revision" if "revision" in building_columns(connection) else "NULL"
+    return dict(connection.execute(f"SELECT id, {revision} FROM building"))
 
 
-def _in_parts(connection: sqlite3.Connection, column: str, shape: str) -> Iterator[list[tuple[Any, ...]]]:
-    rows = connection.execute(
-        f"SELECT o.id, o.floor_offset, o.{column} FROM object o JOIN building b ON b.id = o.building "
-        f"WHERE o.{column} IS NOT NULL AND b.descriptor_shape = ? ORDER BY o.building, o.pk",
-        (shape,),
+def descriptors(connection: sqlite3.Connection, building: str) -> BuildingDescriptors | None:
+    """Descriptors of one building, or None where it is not there."""
+    revision = "revision" if "revision" in building_columns(connection) else "NULL"
+    header = connection.execute(f"SELECT {revision}, descriptor_shape FROM building WHERE id = ?", (building,))
+    found = header.fetchone()
+    if found is None:
+        return None
+    return BuildingDescriptors.from_rows(
+        building, found[0], shape_of(found[1]), connection.execute(_DESCRIPTORS, (building,)).fetchall()
     )
-    while part := rows.fetchmany(_ROWS_AT_ONCE):
-        yield part

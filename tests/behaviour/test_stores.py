@@ -16,6 +16,7 @@ from enfilade.clouds import LabelledCloud
 from enfilade.errors import GraphError, NotFoundError, StoreError
 from enfilade.schema.encoding import encode
 from enfilade.schema.graph import BuildingGraph
+from enfilade.schema.ids import object_id
 from enfilade.stores import Store, open_store
 from enfilade.stores.archive import Archive, copy_buildings
 from enfilade.stores.base import in_batches
@@ -245,21 +246,41 @@ def test_the_engine_tells_its_plan(store: Store) -> None:
     assert "building" in store.plan(ONE_NODE[store.dialect], {}).lower()
 
 
-def test_descriptors_come_one_table_a_shape(store: Store, hotel: BuildingGraph) -> None:
-    hotel.nodes["hotel/o1"].properties["floor_offset"] = 0.5
-    store.write(hotel)
+def test_descriptors_come_building_by_building(store: Store, hotel: BuildingGraph) -> None:
+    hotel.nodes["hotel/o1"].properties["foot_descriptor"] = hotel.nodes["hotel/o1"].properties["descriptor"]
     other = BuildingGraph("annexe", descriptor_shape=(1, 1, 2))
     other.add_node("annexe", "Building")
-    other.add_node("annexe/o3", "Object", descriptor=np.array([1440, 60000], dtype=np.uint16))
-    store.write(other)
-    small, large = store.descriptors("descriptor")
-    assert (small.shape, list(small.ids), small.counts.tolist()) == ((1, 1, 2), ["annexe/o3"], [[1440, 60000]])
-    assert (large.shape, large.counts.dtype, large.counts.shape) == ((1, 2, 4), np.uint16, (7, 8))
+    other.add_node("annexe/o3+o5", "Object", foot_descriptor=np.array([1440, 60000], dtype=np.uint16))
+    store.write_all([hotel, other, building("empty")])
+    small, none, large = store.descriptors(["annexe", "gone", "empty", "hotel"])
+    assert (small.building, small.shape, small.numbers.tolist()) == ("annexe", (1, 1, 2), [[3, 5, -1]])
+    assert (small.floor.tolist(), small.foot.tolist()) == ([[0, 0]], [[1440, 60000]])
+    assert (none.building, none.shape, len(none.numbers)) == ("empty", None, 0)
+    assert (large.building, large.shape, large.floor.dtype, large.floor.shape) == (
+        "hotel",
+        (1, 2, 4),
+        np.uint16,
+        (7, 8),
+    )
     expected = [node for node in hotel.of_label("Object") if "descriptor" in node.properties]
-    assert list(large.ids) == [node.id for node in expected]
-    assert np.array_equal(large.counts, [node.properties["descriptor"] for node in expected])
-    assert np.array_equal(large.floor_offsets, [np.nan, 0.5] + [np.nan] * 5, equal_nan=True)
-    assert store.descriptors("foot_descriptor") == []
+    assert [object_id("hotel", *(n for n in own if n >= 0)) for own in large.numbers.tolist()] == [
+        n.id for n in expected
+    ]
+    assert np.array_equal(large.floor, [node.properties["descriptor"] for node in expected])
+    assert np.array_equal(large.foot[1], large.floor[1])
+    assert large.foot[[0, *range(2, 7)]].sum() == 0
+    assert {found.building: found.revision for found in (small, none, large)} == store.revisions()
+
+
+def test_every_writing_is_a_revision_of_its_own(store: Store) -> None:
+    store.write_all([building("a"), building("b")])
+    before = store.revisions()
+    store.write(building("a"))
+    after = store.revisions()
+    assert before.keys() == after.keys() == {"a", "b"}
+    assert before["b"] == after["b"] != None  # noqa: E711 (all three at once)
+    assert len({*before.values(), *after.values()}) == 3
+    assert store.read("a").attributes == building("a").attributes
 
 
 def test_readers_see_whole_buildings_while_a_writer_replaces_them(store: Store) -> None:

@@ -53,7 +53,7 @@ def test_the_layout_is_that_of_the_definition(tmp_path: Path) -> None:
     with closing(sqlite3.connect(tmp_path / "a.db")) as connection:
         for node in NODE_TYPES:
             columns = [row[1] for row in connection.execute(f"PRAGMA table_info('{node.label.lower()}')")]
-            besides = ["descriptor_shape", "attributes"] if node.label == "Building" else []
+            besides = ["descriptor_shape", "attributes", "revision"] if node.label == "Building" else []
             expected = ["pk", "id", "building", "name", *(p.name for p in node.properties), *besides, "extra"]
             assert columns == expected
         for edge in EDGE_TYPES:
@@ -172,3 +172,29 @@ def test_a_killed_writer_leaves_the_old_building_or_the_new_one(tmp_path: Path) 
             assert len(areas) in sizes
             assert areas == [float(len(areas))] * len(areas)
             assert [summary.id for summary in store.buildings()] == ["a"]
+
+
+@pytest.mark.parametrize("writable", [True, False])
+def test_a_store_from_before_revisions_gets_them_where_it_may_be_written(tmp_path: Path, writable: bool) -> None:
+    path = tmp_path / "a.db"
+    with open_store(f"sqlite:{path}") as store:
+        store.write(rooms(1))
+    with closing(sqlite3.connect(path)) as connection:
+        connection.execute("DROP INDEX building_revision")
+        connection.execute("ALTER TABLE building DROP COLUMN revision")
+        connection.execute("PRAGMA journal_mode = DELETE")
+        connection.commit()
+    with (SQLiteStore if writable else ReadOnlyStore)(path) as store:
+        assert store.revisions() == {"a": None}
+        assert [found.revision for found in store.descriptors(["a"])] == [None]
+        if writable:
+            store.write(rooms(1))
+            assert store.revisions()["a"] is not None
+
+
+class ReadOnlyStore(SQLiteStore):
+    """Opened as on a medium that cannot be written."""
+
+    def _prepare(self, connection: sqlite3.Connection, *, create: bool) -> None:
+        connection.execute("PRAGMA query_only = ON")
+        super()._prepare(connection, create=create)

@@ -29,8 +29,9 @@ def excess(condition: Condition, match: Match, examples: Examples) -> float:
             found = match.elements[element.name]
             return ABSENT if found is None else _from_constraint(found.properties.get(constraint.property), constraint)
         case Near(node, likeness, within):
-            id = match.id_of(node.name)
-            return examples.distances(likeness)[id] - number_of(within)
+            distance = examples.ranking(likeness).distance(match.id_of(node.name))
+            assert distance is not None, "a near miss is like the example, but for the limit"
+            return distance - number_of(within)
         case Holds(Comparison(operator, left, right)) if operator != "<>":
             try:
                 return apart(value_of(left, match, examples), value_of(right, match, examples))

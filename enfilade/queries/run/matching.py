@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from itertools import islice
 from typing import Any, Final
 
 from enfilade.errors import StoreError, UnsupportedError
 from enfilade.queries.compile_cypher import compile_cypher
 from enfilade.queries.compile_sql import compile_sql
-from enfilade.queries.compiler import Compiled, GivenIds, LikeIds, Search, Wanted
+from enfilade.queries.compiler import BestIds, Compiled, GivenIds, LikeIds, Search, Wanted
 from enfilade.queries.examples import Examples
 from enfilade.queries.expansion import Expansion, expansions, given_nodes
 from enfilade.queries.explanation import Explanation, step_of
@@ -31,12 +32,18 @@ from .decoding import decoded
 from .matches import Element, Match
 from .needs import split_conditions
 from .pruning import likened_nodes, one_of_each, scored, without_overlap
-from .values import value_of
+from .shortcuts import is_anchored
+from .values import measure_likeness, value_of
 
 MOST_VALUES: Final = 10_000_000
 """Ids and properties that a question may fetch, and that its matches with options may hold: some 2 GB of memory."""
 
+_ROWS_AT_ONCE: Final = 4096
+"""Rows whose objects are measured at once."""
+
 Pairs = tuple[tuple[str, str], ...]
+Ids = Mapping[str, Collection[str]]
+PutIn = Mapping[type[GivenIds | BestIds], Mapping[str, list[str]]]
 
 
 class Matcher:
@@ -82,7 +89,13 @@ class Matcher:
         self._values_left = MOST_VALUES
 
     def extended(
-        self, pattern: Pattern, outer: Scope, matches: Sequence[Match], title: str, smaller: Pairs = ()
+        self,
+        pattern: Pattern,
+        outer: Scope,
+        matches: Sequence[Match],
+        title: str,
+        smaller: Pairs = (),
+        best: Ids | None = None,
     ) -> list[list[Match]]:
         """Return the extensions of each match by a pattern, its WHERE included.
 
@@ -98,14 +111,31 @@ class Matcher:
             How an explanation calls it.
         smaller
             Pairs of elements of which the first must have the smaller id.
+        best
+            Of likened nodes the objects that are asked for, where those are not all.
         """
         scope = scope_of(pattern, outer)
         given = given_nodes(pattern, outer)
         told, after = split_conditions(pattern, outer)
+        chosen = best or {}
+        ids: PutIn = {
+            GivenIds: self._given_ids(given, matches),
+            BestIds: {name: list(some) for name, some in chosen.items()},
+        }
+        likeness_after = bool(given or chosen or is_anchored(pattern))
         groups: dict[Any, list[dict[str, Element]]] = {}
         for expansion in expansions(pattern, outer, self._combining):
-            search = Search(expansion, scope, told, self.columns(expansion), smaller, self._combining)
-            for found, _ in self.found(search, after, title, self._given_ids(given, matches)):
+            search = Search(
+                expansion,
+                scope,
+                told,
+                self.columns(expansion),
+                smaller,
+                self._combining,
+                likeness_after=likeness_after,
+                best=frozenset(chosen),
+            )
+            for found, _ in self.found(search, after, title, ids):
                 key = self._key(given, found) if outer else None
                 groups.setdefault(key, []).append({n: e for n, e in found.items() if n not in given})
         extensions = [
@@ -148,7 +178,7 @@ class Matcher:
     # Statements and rows
 
     def found(
-        self, search: Search, after: Sequence[Expression], title: str, given: Mapping[str, list[str]]
+        self, search: Search, after: Sequence[Expression], title: str, ids: PutIn
     ) -> Iterator[tuple[dict[str, Element], tuple[int, ...]]]:
         """Run one statement; yields the elements behind the names, and 1 for each counted condition that is unmet.
 
@@ -160,27 +190,33 @@ class Matcher:
             Conditions that are tested on the rows, for the explanation.
         title
             How an explanation calls it.
-        given
-            Ids of the nodes from outside.
+        ids
+            Ids to put in.
         """
         compiled = compile_sql(search) if self._store.dialect == "sql" else compile_cypher(search)
-        step = step_of(title, compiled, after)
+        step = step_of(title, compiled, after, search.likened_after)
         self._explanation.steps.append(step)
         if not self._run:
             return
+        likened = {p.name: p.likeness for p in search.expansion.points if p.likeness is not None}
+        with self._explanation.timed("examples and bounds"):
+            parameters = self._filled(compiled, ids)
+            for likeness in likened.values():
+                self._examples.ranking(likeness)
         start = time.perf_counter()
-        limits, parameters = self._limits(search.expansion), self._filled(compiled, given)
-        compared = time.perf_counter()
-        spent = self._explanation.seconds
-        spent["examples and distances"] = spent.get("examples and distances", 0.0) + compared - start
         step.rows = step.kept = 0
-        for row in self._rows(compiled, parameters):
-            step.rows += 1
-            elements = self._elements(search, row)
-            if all(elements[name].id in ids for name, ids in limits.items()):
-                step.kept += 1
-                yield elements, tuple(row[len(search.columns) :])
-        step.seconds = time.perf_counter() - compared
+        rows = self._rows(compiled, parameters)
+        while batch := list(islice(rows, _ROWS_AT_ONCE)):
+            some = [(self._elements(search, row), tuple(row[len(search.columns) :])) for row in batch]
+            step.rows += len(some)
+            for point in search.likened_after:
+                assert point.likeness is not None
+                self._examples.ranking(point.likeness).measure(elements[point.name].id for elements, _ in some)
+            for elements, unmet in some:
+                if all(self._examples.is_like(likeness, elements[name].id) for name, likeness in likened.items()):
+                    step.kept += 1
+                    yield elements, unmet
+        step.seconds = time.perf_counter() - start
 
     def _rows(self, compiled: Compiled, parameters: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
         """Rows of a statement, until the whole question's time is over or they are too many for memory."""
@@ -206,19 +242,15 @@ class Matcher:
                 raise UnsupportedError("the question has too many matches; make it narrower.")
         return self._deadline.watched(found)
 
-    def _limits(self, expansion: Expansion) -> dict[str, Mapping[str, float]]:
-        """Objects that may stand behind each likened node."""
-        return {p.name: self._examples.within(p.likeness) for p in expansion.points if p.likeness is not None}
-
-    def _filled(self, compiled: Compiled, given: Mapping[str, list[str]]) -> dict[str, Any]:
+    def _filled(self, compiled: Compiled, ids: PutIn) -> dict[str, Any]:
         """Return the parameters with lists of ids in place of what stands for them."""
-        return {name: self._filled_value(value, given) for name, value in compiled.parameters.items()}
+        return {name: self._filled_value(value, ids) for name, value in compiled.parameters.items()}
 
-    def _filled_value(self, value: Any, given: Mapping[str, list[str]]) -> Any:
+    def _filled_value(self, value: Any, ids: PutIn) -> Any:
         if isinstance(value, LikeIds):
             items: list[Any] = list(self._examples.within(value.likeness))
-        elif isinstance(value, GivenIds):
-            items = given[value.name]
+        elif isinstance(value, GivenIds | BestIds):
+            items = ids[type(value)][value.name]
         elif isinstance(value, tuple):
             items = list(value)
         else:
@@ -255,6 +287,7 @@ class Matcher:
                 if isinstance(part, Subquery):
                     self.answer(part, everyone, scope)
             if self._run:
+                measure_likeness(condition, everyone, self._examples)
                 extensions = [
                     [
                         match

@@ -27,17 +27,26 @@ def likened_nodes(patterns: Iterable[Pattern]) -> dict[str, Likeness]:
 
 def scored(matches: list[Match], likened: Likened, examples: Examples) -> list[Match]:
     """Set the score of each match: the sum of its distances, turned negative, and the mean."""
+    for name, likeness in likened.items() if matches else ():
+        examples.ranking(likeness).measure(id for match in matches if (id := match.id_of(name)) is not None)
     for match in matches:
         total = sum(_distance(match, name, likeness, examples) for name, likeness in likened.items())
-        match.score = round(-total, _SCORE_DECIMALS) + 0.0  # not -0.0
-        match.mean_score = round(-total / max(len(likened), 1), _SCORE_DECIMALS) + 0.0
+        match.score = score_of(total)
+        match.mean_score = score_of(total / max(len(likened), 1))
     return matches
+
+
+def score_of(distance: float) -> float:
+    """Return the score that a sum of distances, or their mean, is."""
+    return round(-distance, _SCORE_DECIMALS) + 0.0  # not -0.0
 
 
 def _distance(match: Match, name: str, likeness: Likeness, examples: Examples) -> float:
     id = match.id_of(name)
     if id is not None:
-        return examples.distances(likeness)[id]
+        distance = examples.ranking(likeness).distance(id)
+        assert distance is not None, "the matches hold only objects that are like the example"
+        return distance
     return GREATEST_DISTANCE if likeness.within is None else number_of(likeness.within)
 
 

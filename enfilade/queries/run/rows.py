@@ -45,11 +45,11 @@ def check_rows(query: QueryGraph) -> None:
         If rows are limited by building, but are of none, or are of near misses that could not be told apart.
     """
     check_grouping(query.columns)
-    if query.relax is not None and _aggregated(query):
+    if query.relax is not None and is_aggregated(query):
         raise UnsupportedError("RELAX does not go with aggregates, which would count near misses as matches.")
     if query.relax is not None and query.optional:
         raise UnsupportedError("RELAX does not go with OPTIONAL MATCH; put what may be missing into MATCH.")
-    if query.per_building is not None and _aggregated(query):
+    if query.per_building is not None and is_aggregated(query):
         raise UnsupportedError(
             "PER BUILDING does not go with aggregates, whose rows are of no one building; use LIMIT."
         )
@@ -69,7 +69,7 @@ def rows_of(query: QueryGraph, matches: Iterable[Match], named: Sequence[str], e
     examples
         What like() refers to.
     """
-    if _aggregated(query):
+    if is_aggregated(query):
         groups = grouped(matches, query.columns, examples)
         rows = [Row(values, _key_of_values(query, values, match, examples), None) for values, match in groups]
     else:
@@ -82,7 +82,8 @@ def rows_of(query: QueryGraph, matches: Iterable[Match], named: Sequence[str], e
     return kept[start : None if count is None else start + count]
 
 
-def _aggregated(query: QueryGraph) -> bool:
+def is_aggregated(query: QueryGraph) -> bool:
+    """Whether a column has an aggregate."""
     return any(aggregates(column.expression) for column in query.columns)
 
 

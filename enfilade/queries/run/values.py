@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, Final
 
 from enfilade.errors import QuestionError
@@ -25,6 +25,7 @@ from enfilade.queries.syntax import (
     Subquery,
     TextTest,
     Variable,
+    walk,
 )
 
 from .matches import Element, Match
@@ -39,6 +40,15 @@ def value_of(expression: Expression, match: Match, examples: Examples) -> Any:
         If a whole number is divided by zero.
     """
     return _VALUES[type(expression)](expression, match, examples)
+
+
+def measure_likeness(expression: Expression, matches: Sequence[Match], examples: Examples) -> None:
+    """Measure at once what like() in an expression will ask of the matches one by one."""
+    for part in walk(expression):
+        match part:
+            case Call("like", (Variable(name), reference)) if matches:
+                ids = (id for match in matches if (id := match.id_of(name)) is not None)
+                examples.ranking(Likeness(reference)).measure(ids)
 
 
 def plain(value: Any) -> Any:
@@ -169,7 +179,7 @@ def _raise_to(left: float, right: float) -> float:
 def _call(expression: Call, match: Match, examples: Examples) -> Any:
     subject, reference = expression.arguments
     element = value_of(subject, match, examples)
-    return None if element is None else examples.distances(Likeness(reference)).get(element.id)
+    return None if element is None else examples.ranking(Likeness(reference)).distance(element.id)
 
 
 _COMPARISONS: Final[dict[str, Callable[[Any, Any], bool]]] = {
