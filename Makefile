@@ -1,9 +1,10 @@
 VENV ?= .venv
 BIN := $(VENV)/bin
 ENFILADE := $(BIN)/enfilade
+FUZZ_MINUTES ?= 20
 
 .DEFAULT_GOAL := help
-.PHONY: help install demo test test-fast check format docs constraints wheel clean
+.PHONY: help install demo test test-fast fuzz check format docs constraints wheel clean
 
 help:  ## say what can be made
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
@@ -21,6 +22,10 @@ test: $(VENV)/.ready  ## run all tests; starts a real Neo4j by itself
 
 test-fast: $(VENV)/.ready  ## run the tests that need no server and little time
 	$(BIN)/pytest -m 'not neo4j and not slow'
+
+fuzz: $(VENV)/.ready  ## ask both stores random questions beside the oracle, FUZZ_MINUTES=20 each
+	$(BIN)/python tests/fuzz.py --minutes $(FUZZ_MINUTES)
+	$(BIN)/python tests/fuzz.py --minutes $(FUZZ_MINUTES) --neo4j
 
 check: $(VENV)/.ready  ## lint, types, and whether the generated pages are current
 	$(BIN)/ruff check .

@@ -191,12 +191,15 @@ class QuestionMaker:
                 text = self.symmetric()
             return f"{text} RELAX {rng.choice((1, 1, 2))}"
         text = f"MATCH {self.pattern(rng.choice((1, 1, 2)))}"
+        while text.count("-[") > 3:
+            self.labels, self.edges, self.likes = {}, {}, 0
+            text = f"MATCH {self.pattern(rng.choice((1, 1, 2)))}"
         for word in ("WHERE", "AND")[: rng.choice((0, 1, 1, 2))]:
             text += f" {word} {self.condition(1) if rng.random() < 0.4 else self.comparison()}"
         returning = self.returning()
         while "(" in returning:
             returning = self.returning()
-        return f"{text} {returning} RELAX {rng.choice((1, 1, 2, 3))}"
+        return f"{text} {returning} RELAX {rng.choice((1, 1, 2, 3) if text.count('-[') < 3 else (1, 2))}"
 
     # Patterns
 

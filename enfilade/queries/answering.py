@@ -138,7 +138,7 @@ class _Answering:
 
     def _with_near_misses(self, symmetries: list[Symmetry], order: list[str]) -> list[Row]:
         """Rows of full matches and near misses; those with more unmet are not looked for if there are rows enough."""
-        near = NearMisses(self._matcher, self._examples, self._query.pattern, self._combining)
+        near = NearMisses(self._matcher, self._examples, self._query.pattern, self._combining, self._deadline)
         limit = number_of_rows(self._query.limit)
         matches: list[Match] = []
         rows: list[Row] = []

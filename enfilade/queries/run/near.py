@@ -30,6 +30,7 @@ from enfilade.queries.relaxation import (
 )
 from enfilade.queries.sayable import sayable
 from enfilade.queries.syntax import Comparison, Expression, Subquery, walk
+from enfilade.stores.deadline import Deadline
 
 from .excess import excess
 from .matches import Element, Match
@@ -50,9 +51,19 @@ class NearMisses:
         Resolved and bound.
     combining
         Names of objects that may be combinations.
+    deadline
+        When to give up.
     """
 
-    def __init__(self, matcher: Matcher, examples: Examples, pattern: Pattern, combining: frozenset[str]) -> None:
+    def __init__(
+        self,
+        matcher: Matcher,
+        examples: Examples,
+        pattern: Pattern,
+        combining: frozenset[str],
+        deadline: Deadline,
+    ) -> None:
+        self._deadline = deadline
         self._matcher = matcher
         self._examples = examples
         self._pattern = pattern
@@ -74,9 +85,9 @@ class NearMisses:
             (found,) = self._matcher.extended(self._pattern, {}, [Match({})], "MATCH")
         else:
             found = [match for size in range(count + 1) for match in self._lacking(size, count - size)]
-        for match in found:
+        for match in self._deadline.watched(found):
             self._known.setdefault(self._nodes_of(match), []).append(match)
-        kept = [match for match in found if not self._is_covered(match)]
+        kept = [match for match in self._deadline.watched(found) if not self._is_covered(match)]
         return self._measured(kept)
 
     def _nodes_of(self, match: Match) -> tuple[Any, ...]:
@@ -140,7 +151,7 @@ class NearMisses:
         for number in after:
             expression = self._expression(number)
             self._answer(expression, matches)
-            for match in matches:
+            for match in self._deadline.watched(matches):
                 if not self._is_true(expression, match):
                     match.unmet = (*match.unmet, number)
             matches = [match for match in matches if len(match.unmet) <= count]
@@ -168,7 +179,7 @@ class NearMisses:
         for number, condition in enumerate(self._conditions):
             if isinstance(condition, Holds) and isinstance(condition.expression, Comparison):
                 self._answer(condition.expression, [match for match in matches if number in match.unmet])
-        for match in matches:
+        for match in self._deadline.watched(matches):
             match.unmet = tuple(sorted(match.unmet))
             match.excesses = tuple(excess(self._conditions[number], match, self._examples) for number in match.unmet)
         return matches
