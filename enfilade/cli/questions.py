@@ -34,6 +34,7 @@ SECONDS = click.FloatRange(min=0.0, min_open=True)
 @click.option("-o", "--output", type=click.Path(dir_okay=False, path_type=Path), help="Write the answer to a file.")
 @click.option("--explain", is_flag=True, help="Also say how the answer was found, on standard error.")
 @click.option("--timeout", type=SECONDS, default=60.0, show_default=True, help="Seconds to try.")
+@click.option("--rows", type=click.IntRange(min=1), default=1_000_000, show_default=True, help="Rows to print at most.")
 @click.pass_context
 def query_command(
     ctx: click.Context,
@@ -46,6 +47,7 @@ def query_command(
     output: Path | None,
     explain: bool,
     timeout: float,
+    rows: int,
 ) -> None:
     """Ask all buildings in the store and print the ranked matches.
 
@@ -63,6 +65,7 @@ def query_command(
         output=output,
         explain=explain,
         timeout_s=timeout,
+        most_rows=rows,
     )
     if question is None and file is None and sys.stdin.isatty():
         asker.prompt()
@@ -81,6 +84,7 @@ class Asker:
     output: Path | None
     explain: bool
     timeout_s: float
+    most_rows: int
 
     @cached_property
     def store(self) -> Store:
@@ -97,11 +101,17 @@ class Asker:
             parameters=self.parameters,
             likenesses=self.likenesses,
             timeout_s=self.timeout_s,
+            most_rows=self.most_rows,
         )
         if self.explain:
             as_json = self.form in ("json", "lines")
             click.echo(json.dumps(result.explanation.to_dict()) if as_json else str(result.explanation), err=True)
         write_answer(result.columns, result.rows, self.form, self.output)
+        if result.left_out:
+            every = len(result.rows) + result.left_out
+            click.echo(
+                f"Note: these are the first {len(result.rows):,} of {every:,} rows; raise --rows for more.", err=True
+            )
 
     def prompt(self) -> None:
         """Answer questions from the terminal until Ctrl-D."""

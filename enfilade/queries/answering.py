@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import replace
+from typing import Any, Final
 
 from enfilade.errors import QuestionError
 from enfilade.stores.base import Store
@@ -33,6 +34,9 @@ from .sayable import is_mixed
 from .symmetry import Symmetry, order_of_appearance, question_symmetries, smaller_first
 from .syntax import Subquery, walk
 
+MOST_ROWS: Final = 1_000_000
+"""Rows that are returned at most, if nothing else is said."""
+
 
 def answer(
     store: Store,
@@ -41,6 +45,7 @@ def answer(
     parameters: Mapping[str, Any] | None = None,
     likenesses: Mapping[str, Any] | None = None,
     timeout_s: float | None = 60.0,
+    most_rows: int | None = MOST_ROWS,
     explain_only: bool = False,
 ) -> Result:
     """Answer a question.
@@ -57,6 +62,8 @@ def answer(
         Examples that LIKE names as parameters: a mesh or cloud file, ``object:ID``, or a shape.
     timeout_s
         Seconds after which to give up; None for never.
+    most_rows
+        Rows that are returned at most; the result says how many were left out. None for all.
     explain_only
         Whether only to say what would be asked of the store.
 
@@ -80,7 +87,9 @@ def answer(
     answering = _Answering(store, query, examples, deadline, run=not explain_only)
     rows = answering.rows()
     answering.explanation.tell_likeness(examples)
-    return _result(query, rows, condition_texts(asked.pattern, asked.text), answering.explanation)
+    kept = rows[:most_rows]
+    result = _result(query, kept, condition_texts(asked.pattern, asked.text), answering.explanation)
+    return replace(result, left_out=len(rows) - len(kept))
 
 
 def _understood(query: QueryGraph, parameters: Mapping[str, Any], given: Mapping[str, Any]) -> QueryGraph:

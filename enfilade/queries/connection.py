@@ -10,7 +10,7 @@ from typing import Any, Self
 from enfilade.descriptors import Shape
 from enfilade.stores import Store
 
-from .answering import answer
+from .answering import MOST_ROWS, answer
 from .query_graph import QueryGraph
 from .result import Result
 
@@ -33,6 +33,7 @@ class Connection:
         *,
         likenesses: Mapping[str, Any] | None = None,
         timeout_s: float | None = 60.0,
+        most_rows: int | None = MOST_ROWS,
         **parameters: Any,
     ) -> Result:
         """Answer a question.
@@ -45,6 +46,8 @@ class Connection:
             Examples that LIKE names as parameters; a path or a shape among `parameters` is one as well.
         timeout_s
             Seconds after which to give up; None for never.
+        most_rows
+            Rows that are returned at most; None for all.
         parameters
             Values of ``$names``.
         """
@@ -56,6 +59,7 @@ class Connection:
             parameters=values,
             likenesses={**examples, **(likenesses or {})},
             timeout_s=timeout_s,
+            most_rows=most_rows,
         )
 
     def close(self) -> None:

@@ -45,12 +45,15 @@ class Result:
         Statements, counts and times.
     unmet
         What each row does not meet, after RELAX; nothing for a full match.
+    left_out
+        Rows that the limit on their number left out.
     """
 
     columns: list[str]
     rows: list[dict[str, Any]]
     explanation: Explanation
     unmet: list[tuple[Unmet, ...]] = field(default_factory=list)
+    left_out: int = 0
 
     @property
     def explain(self) -> str:

@@ -175,6 +175,12 @@ def test_parquet_that_cannot_hold_the_values(with_hotel: Enfilade) -> None:
     assert_one_sentence(done, status=1, about="--format json")
 
 
+def test_rows_beyond_the_limit_are_left_out_and_it_is_said(with_hotel: Enfilade) -> None:
+    done = with_hotel("query", "MATCH (a:Room) RETURN a ORDER BY a.area", "--rows", "2", "--nl")
+    assert done.out == '{"a": "hotel/r3"}\n{"a": "hotel/r6"}\n'
+    assert done.err == "Note: these are the first 2 of 7 rows; raise --rows for more.\n"
+
+
 def test_parquet_keeps_kinds_where_values_are_missing(with_hotel: Enfilade, tmp_path: Path) -> None:
     question = "MATCH (b:Building) OPTIONAL MATCH (o:Object {parts: 2}) RETURN b, o.parts AS n, b.scan_count AS m"
     assert with_hotel("query", question, "--format", "parquet", "-o", "a.parquet").status == 0

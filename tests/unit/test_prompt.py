@@ -97,7 +97,7 @@ def test_the_command_answers_and_marks_errors(
     )
 
     with click.Context(cli, obj={"store": url, "clouds": None}) as context:
-        Asker(context, {}, {}, "lines", None, explain=False, timeout_s=60.0).prompt()
+        Asker(context, {}, {}, "lines", None, explain=False, timeout_s=60.0, most_rows=100).prompt()
 
     done = capsys.readouterr()
     assert done.out == '{"a": "hotel/r0"}\n{"a": "hotel/r5"}\n{"o": "hotel/o3"}\n{"o": "hotel/o4"}\n'

@@ -35,7 +35,7 @@ from enfilade.stores.deadline import Deadline
 from .excess import excess
 from .matches import Element, Match
 from .matching import Matcher
-from .values import value_of
+from .values import measure_likeness, value_of
 
 
 class NearMisses:
@@ -163,6 +163,7 @@ class NearMisses:
         return condition.expression
 
     def _answer(self, expression: Expression, matches: Sequence[Match]) -> None:
+        measure_likeness(expression, matches, self._examples)
         for part in walk(expression):
             if isinstance(part, Subquery):
                 self._matcher.answer(part, matches, self._scope)
