@@ -305,6 +305,22 @@ def test_rooms_on_the_two_sides_of_a_hall_without_scans_have_no_door_between_the
     assert {(opening.room_a, opening.room_b) for opening in found} <= {(0, None), (1, None)}
 
 
+def test_a_hole_behind_which_the_own_room_goes_on_is_none_whatever_is_seen_farther_on():
+    """As in the wall beside a flight of stairs: the next room is close behind it, but its door is another."""
+    scene = BoxScene()
+    scene.room(0, (0, 0, 0), (4, 3, 2.5), holes={"x1": [DOOR]})
+    scene.room(1, (4.2, 0, 0), (8, 3, 2.5), holes={"x0": [DOOR]})
+    for sign in (-1, 1):
+        scene.add(0, 3.15 + 0.03 * sign, (0.0, 0.0), (3.0, 2.5), sign, 0, holes=[((0.4, 0.0), (2.6, 1.9))])
+    scene.scanners = [((1.5, 1.3, 1.5), 0), ((5.8, 1.6, 1.5), 1)]
+    cloud, surfels, planes, labels, rooms = scene.scan()
+    plans = (Polygon([(0, 0), (4, 0), (4, 3), (0, 3)]), Polygon([(4.2, 0), (8, 0), (8, 3), (4.2, 3)]))
+    outlined = [replace(r, outline=(np.array(p.exterior.coords),)) for r, p in zip(rooms, plans, strict=True)]
+    found = find_openings(cloud, surfels, planes, labels, outlined, ())
+    (door,) = (opening for opening in found if opening.room_b is not None)
+    assert door.position[0] == pytest.approx(4.1, abs=0.05)
+
+
 def test_a_door_that_is_only_looked_through_from_a_third_room_is_found():
     """The scanner stands behind the door opposite: no ray begins in one of the two rooms and ends in the other."""
     scene = BoxScene()

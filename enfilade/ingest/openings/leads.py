@@ -23,6 +23,9 @@ APART_M = 0.2
 CLOSE_M = 1.2
 """... unless some of its points are this close behind."""
 
+ON_BEHIND_M = (0.2, 0.4, 0.6, 0.8)
+"""Where the plan of a hole's own room is looked for behind it."""
+
 LEAST_COMMON_M = 0.05
 """Holes in the two faces of a wall that overlap by this much are one."""
 
@@ -167,7 +170,7 @@ def _lead(hole: Hole, rays: Rays, plans: Mapping[int, Polygon | None], parameter
     for other in np.argsort(-votes, kind="stable").tolist():
         if votes[other] <= unknown * (1.0 / LEAST_KNOWN - 1.0):
             break
-        if other in plans and _begins_behind(hole, far == other, plans[other], parameters):
+        if other in plans and _begins_behind(hole, far == other, plans[room], plans[other], parameters):
             lead = Lead(hole, other, float(votes[other]), float(votes[other]) / total, same / total)
             return lead if lead.same < 0.6 else None
     return None
@@ -184,15 +187,30 @@ def known_by_plan(far: I32, asked: Bool, ends: F64, plans: Mapping[int, Polygon 
     return told
 
 
-def _begins_behind(hole: Hole, to_it: Bool, plan: Polygon | None, parameters: OpeningParameters) -> bool:
-    """Whether a room that rays reach through a hole begins behind it: not so where another space lies between."""
+def _begins_behind(
+    hole: Hole, to_it: Bool, own: Polygon | None, plan: Polygon | None, parameters: OpeningParameters
+) -> bool:
+    """Whether a room that rays reach through a hole begins behind it: not so where another space lies between.
+
+    Where the plan of the hole's own room goes on behind it, as beside a flight of stairs, that lies between.
+    """
     if plan is None or hole.side.horizontal:
         return True
     middle = float(hole.centre[2])
     ends = LineString([hole.side.point(u, middle)[:2] for u in hole.edges[[0, 2]]])
     if ends.distance(plan) < parameters.max_gap_m + APART_M:
         return True
+    if own is not None and _goes_on(hole, own):
+        return False
     return int((hole.beyond[to_it & hole.outbound] < CLOSE_M).sum()) >= parameters.min_rays
+
+
+def _goes_on(hole: Hole, own: Polygon) -> bool:
+    """Whether the plan of a hole's room covers most of what is right behind it."""
+    u = np.linspace(hole.edges[0], hole.edges[2], 9)
+    places = np.stack([u, np.full_like(u, hole.centre @ hole.side.v)], axis=1)
+    behind = hole.side.points(places) - np.array(ON_BEHIND_M)[:, None, None] * hole.side.normal
+    return float(shapely.contains_xy(own, behind[..., 0], behind[..., 1]).mean()) > 0.5
 
 
 def _facing(leads: list[Lead], max_gap_m: float) -> list[list[Lead]]:
