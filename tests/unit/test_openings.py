@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from box_scene import BoxScene, two_rooms
-from shapely import Polygon
+from shapely import Polygon, box
 
 from enfilade.ingest.neighbours import find_neighbours
 from enfilade.ingest.openings import find_openings
@@ -313,12 +313,27 @@ def test_a_hole_behind_which_the_own_room_goes_on_is_none_whatever_is_seen_farth
     for sign in (-1, 1):
         scene.add(0, 3.15 + 0.03 * sign, (0.0, 0.0), (3.0, 2.5), sign, 0, holes=[((0.4, 0.0), (2.6, 1.9))])
     scene.scanners = [((1.5, 1.3, 1.5), 0), ((5.8, 1.6, 1.5), 1)]
-    cloud, surfels, planes, labels, rooms = scene.scan()
-    plans = (Polygon([(0, 0), (4, 0), (4, 3), (0, 3)]), Polygon([(4.2, 0), (8, 0), (8, 3), (4.2, 3)]))
-    outlined = [replace(r, outline=(np.array(p.exterior.coords),)) for r, p in zip(rooms, plans, strict=True)]
-    found = find_openings(cloud, surfels, planes, labels, outlined, ())
-    (door,) = (opening for opening in found if opening.room_b is not None)
+    (door,) = openings_with_plans(scene, [(0, 0, 4, 3), (4.2, 0, 8, 3)])
     assert door.position[0] == pytest.approx(4.1, abs=0.05)
+
+
+def test_a_door_leads_to_the_room_right_behind_it_not_to_the_one_that_more_is_seen_of():
+    """From a closet one looks through the bath into the hall; the scanner of the bath hardly sees its own door."""
+    scene = BoxScene()
+    scene.room(0, (0, 0, 0), (4, 3, 2.5), holes={"x1": [DOOR]})
+    scene.room(1, (4.2, 0, 0), (6, 1.95, 2.5), holes={"x0": [DOOR], "y1": [((4.4, 0.0), (5.2, 2.05))]})
+    scene.room(2, (4.2, 2.1, 0), (6, 3.6, 2.5), holes={"y0": [((4.4, 0.0), (5.2, 2.05))]})
+    scene.scanners = [((3.8, 2.2, 1.5), 0), ((4.22, 0.1, 1.5), 1), ((5.0, 2.35, 1.5), 2)]
+    found = openings_with_plans(scene, [(0, 0, 4, 3), (4.2, 0, 6, 1.95), (4.2, 2.1, 6, 3.6)])
+    assert {(door.room_a, door.room_b) for door in found} == {(0, 1), (1, 2)}
+
+
+def openings_with_plans(scene, plans):
+    """Openings between rooms whose plans are boxes (low x, low y, high x, high y)."""
+    cloud, surfels, planes, labels, rooms = scene.scan()
+    outlined = [replace(r, outline=(np.array(box(*p).exterior.coords),)) for r, p in zip(rooms, plans, strict=True)]
+    found = find_openings(cloud, surfels, planes, labels, outlined, ())
+    return [opening for opening in found if opening.room_b is not None]
 
 
 def test_a_door_that_is_only_looked_through_from_a_third_room_is_found():

@@ -24,7 +24,7 @@ CLOSE_M = 1.2
 """... unless some of its points are this close behind."""
 
 ON_BEHIND_M = (0.2, 0.4, 0.6, 0.8)
-"""Where the plan of a hole's own room is looked for behind it."""
+"""How far behind a hole it is looked up in whose plan that is."""
 
 LEAST_COMMON_M = 0.05
 """Holes in the two faces of a wall that overlap by this much are one."""
@@ -153,7 +153,10 @@ def _far_rooms(hole: Hole, rays: Rays) -> I32:
 
 
 def _lead(hole: Hole, rays: Rays, plans: Mapping[int, Polygon | None], parameters: OpeningParameters) -> Lead | None:
-    """Ask the rays through a hole which room is behind it; None if it is the room itself, or none that begins there."""
+    """Ask the rays through a hole which room is behind it; None if it is the room itself, or none that begins there.
+
+    A room whose plan covers what is right behind goes before those that more of the rays look into farther on.
+    """
     room = hole.side.room
     far = _far_rooms(hole, rays)
     weight = np.exp(-hole.beyond / NEAR_M)
@@ -167,9 +170,8 @@ def _lead(hole: Hole, rays: Rays, plans: Mapping[int, Polygon | None], parameter
         return None
     votes = np.bincount(far[others], weight[others])
     total = float(votes.sum()) + same
-    for other in np.argsort(-votes, kind="stable").tolist():
-        if votes[other] <= unknown * (1.0 / LEAST_KNOWN - 1.0):
-            break
+    likely = np.flatnonzero(votes > unknown * (1.0 / LEAST_KNOWN - 1.0)).tolist()
+    for other in sorted(likely, key=lambda other: (not _covers_behind(plans.get(other), hole), -votes[other])):
         if other in plans and _begins_behind(hole, far == other, plans[room], plans[other], parameters):
             lead = Lead(hole, other, float(votes[other]), float(votes[other]) / total, same / total)
             return lead if lead.same < 0.6 else None
@@ -200,17 +202,19 @@ def _begins_behind(
     ends = LineString([hole.side.point(u, middle)[:2] for u in hole.edges[[0, 2]]])
     if ends.distance(plan) < parameters.max_gap_m + APART_M:
         return True
-    if own is not None and _goes_on(hole, own):
+    if _covers_behind(own, hole):
         return False
     return int((hole.beyond[to_it & hole.outbound] < CLOSE_M).sum()) >= parameters.min_rays
 
 
-def _goes_on(hole: Hole, own: Polygon) -> bool:
-    """Whether the plan of a hole's room covers most of what is right behind it."""
+def _covers_behind(plan: Polygon | None, hole: Hole) -> bool:
+    """Whether a plan covers most of what is right behind a hole in a wall."""
+    if plan is None or hole.side.horizontal:
+        return False
     u = np.linspace(hole.edges[0], hole.edges[2], 9)
     places = np.stack([u, np.full_like(u, hole.centre @ hole.side.v)], axis=1)
     behind = hole.side.points(places) - np.array(ON_BEHIND_M)[:, None, None] * hole.side.normal
-    return float(shapely.contains_xy(own, behind[..., 0], behind[..., 1]).mean()) > 0.5
+    return float(shapely.contains_xy(plan, behind[..., 0], behind[..., 1]).mean()) > 0.5
 
 
 def _facing(leads: list[Lead], max_gap_m: float) -> list[list[Lead]]:
