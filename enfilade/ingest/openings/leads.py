@@ -99,7 +99,7 @@ def group_holes(
     plans = {number: Polygon(room.outline[0]) if room.outline else None for number, room in rooms.items()}
     leads: defaultdict[tuple[int, int], list[Lead]] = defaultdict(list)
     for hole in holes:
-        lead = _lead(hole, rays, plans, parameters)
+        lead = _lead(hole, rays, rooms, plans, parameters)
         if lead is not None:
             leads[lead.pair].append(lead)
     groups = [
@@ -152,10 +152,16 @@ def _far_rooms(hole: Hole, rays: Rays) -> I32:
     return np.asarray(np.where(hole.outbound, rays.to_room[hole.ray], rays.from_room[hole.ray]), dtype=np.int32)
 
 
-def _lead(hole: Hole, rays: Rays, plans: Mapping[int, Polygon | None], parameters: OpeningParameters) -> Lead | None:
+def _lead(
+    hole: Hole,
+    rays: Rays,
+    rooms: Mapping[int, Room],
+    plans: Mapping[int, Polygon | None],
+    parameters: OpeningParameters,
+) -> Lead | None:
     """Ask the rays through a hole which room is behind it; None if it is the room itself, or none that begins there.
 
-    A room whose plan covers what is right behind goes before those that more of the rays look into farther on.
+    A room whose plan covers what is right behind goes before one that more of the rays look into farther on.
     """
     room = hole.side.room
     far = _far_rooms(hole, rays)
@@ -171,8 +177,9 @@ def _lead(hole: Hole, rays: Rays, plans: Mapping[int, Polygon | None], parameter
     votes = np.bincount(far[others], weight[others])
     total = float(votes.sum()) + same
     likely = np.flatnonzero(votes > unknown * (1.0 / LEAST_KNOWN - 1.0)).tolist()
-    for other in sorted(likely, key=lambda other: (not _covers_behind(plans.get(other), hole), -votes[other])):
-        if other in plans and _begins_behind(hole, far == other, plans[room], plans[other], parameters):
+    at_hole = {number for number in (room, *likely) if number in rooms and _covers_behind(rooms[number], plans, hole)}
+    for other in sorted(likely, key=lambda other: (other not in at_hole, -votes[other])):
+        if other in plans and _begins_behind(hole, far == other, room in at_hole, plans[other], parameters):
             lead = Lead(hole, other, float(votes[other]), float(votes[other]) / total, same / total)
             return lead if lead.same < 0.6 else None
     return None
@@ -190,7 +197,7 @@ def known_by_plan(far: I32, asked: Bool, ends: F64, plans: Mapping[int, Polygon 
 
 
 def _begins_behind(
-    hole: Hole, to_it: Bool, own: Polygon | None, plan: Polygon | None, parameters: OpeningParameters
+    hole: Hole, to_it: Bool, own_goes_on: bool, plan: Polygon | None, parameters: OpeningParameters
 ) -> bool:
     """Whether a room that rays reach through a hole begins behind it: not so where another space lies between.
 
@@ -202,14 +209,16 @@ def _begins_behind(
     ends = LineString([hole.side.point(u, middle)[:2] for u in hole.edges[[0, 2]]])
     if ends.distance(plan) < parameters.max_gap_m + APART_M:
         return True
-    if _covers_behind(own, hole):
+    if own_goes_on:
         return False
     return int((hole.beyond[to_it & hole.outbound] < CLOSE_M).sum()) >= parameters.min_rays
 
 
-def _covers_behind(plan: Polygon | None, hole: Hole) -> bool:
-    """Whether a plan covers most of what is right behind a hole in a wall."""
-    if plan is None or hole.side.horizontal:
+def _covers_behind(room: Room, plans: Mapping[int, Polygon | None], hole: Hole) -> bool:
+    """Whether the plan of a room, at its height, covers most of what is right behind a hole in a wall."""
+    plan, height = plans[room.number], float(hole.centre[2])
+    ceiling = np.inf if room.ceiling_elevation is None else room.ceiling_elevation
+    if plan is None or hole.side.horizontal or not room.floor_elevation < height < ceiling:
         return False
     u = np.linspace(hole.edges[0], hole.edges[2], 9)
     places = np.stack([u, np.full_like(u, hole.centre @ hole.side.v)], axis=1)
