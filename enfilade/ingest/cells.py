@@ -146,6 +146,18 @@ def _are_among(keys: I64, positions: F64, lowest: I64, shape: I64, cell_m: float
     return found
 
 
+@njit(cache=True, nogil=True)
+def count_cells(places: F64, cell_m: float) -> int:
+    """Count the square cells, from the corner of ``(n, 2)`` places on, that hold one of them."""
+    first, second = places[:, 0].min(), places[:, 1].min()
+    rows = int((places[:, 0].max() - first) / cell_m) + 1
+    columns = int((places[:, 1].max() - second) / cell_m) + 1
+    held = np.zeros((rows, columns), np.bool_)
+    for i in range(len(places)):
+        held[int((places[i, 0] - first) / cell_m), int((places[i, 1] - second) / cell_m)] = True
+    return int(held.sum())
+
+
 @dataclass(frozen=True, slots=True)
 class Gathered:
     """What has equal keys, brought together: group g has ``order[bounds[g]:bounds[g + 1]]``, in their old order.

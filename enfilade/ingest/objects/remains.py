@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 import shapely
 
+from enfilade.ingest.cells import count_cells
 from enfilade.ingest.objects.parameters import ObjectParameters
 from enfilade.ingest.objects.stairs import Flight
 from enfilade.ingest.objects.structure import CeilingMap
@@ -86,9 +87,9 @@ class Remains:
     def _is_board(self, points: F64) -> bool:
         """Whether points fill an upright rectangle that is as large as furniture."""
         place = np.column_stack([_along(points)[:, 0], points[:, 2]])
-        cells = np.unique(np.floor((place - place.min(axis=0)) / CELL_M), axis=0)
+        cells = count_cells(place, CELL_M)
         extent = np.ptp(place, axis=0)
-        filled = len(cells) * CELL_M**2 / max(float(np.prod(extent + CELL_M)), CELL_M**2)
+        filled = cells * CELL_M**2 / max(float(np.prod(extent + CELL_M)), CELL_M**2)
         return bool(extent.min() >= self.parameters.min_board_m and filled >= self.parameters.min_fill)
 
     def _is_railing(self, points: F64) -> bool:

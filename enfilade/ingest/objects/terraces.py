@@ -19,6 +19,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from enfilade.ingest.cells import count_cells
 from enfilade.ingest.objects.bays import LEAST_CELLS, area, columns, frame, hull_of, parts
 from enfilade.ingest.objects.parameters import ObjectParameters
 from enfilade.ingest.records import F64, Bool
@@ -267,6 +268,6 @@ def _is_front(along: F64, height: F64, parameters: ObjectParameters) -> bool:
     """Whether points fill an upright rectangle as high as a cupboard: none of tables, beds, radiators and shelves."""
     places = np.column_stack([along, height])
     extent = np.ptp(places, axis=0)
-    cells = np.unique(np.floor((places - places.min(axis=0)) / parameters.plan_cell_m), axis=0)
-    filled = len(cells) * parameters.plan_cell_m**2 / float(np.prod(extent + parameters.plan_cell_m))
+    cells = count_cells(places, parameters.plan_cell_m)
+    filled = cells * parameters.plan_cell_m**2 / float(np.prod(extent + parameters.plan_cell_m))
     return bool(extent[1] > parameters.min_cupboard_m and filled > parameters.min_front_fill)

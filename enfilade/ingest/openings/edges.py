@@ -17,6 +17,10 @@ MOST_LINES: Final = 0.4
 """Share of the lines across a hole that have to show wall beside it."""
 
 
+INNER: Final = 0.2
+"""Share of the outermost places of the lines that lie farther out than an edge without wall beside it."""
+
+
 @njit(cache=True, nogil=True)
 def cells_of(places: F64, corner: F64, cell_m: float, columns: int) -> NDArray[np.int64]:
     """``(n,)`` index, row by row, of the cell of each of ``(n, 2)`` places, none before the corner of the grid."""
@@ -64,16 +68,36 @@ def edges_of(places: F64, wall: F64, cell_m: float) -> tuple[F64, Bool]:
     for number, (sign, axis) in enumerate(((1, 0), (1, 1), (-1, 0), (-1, 1))):
         lines = max(int((high[1 - axis] - low[1 - axis]) / cell_m), 1)
         first, last = outermost(places, near, axis, sign, float(low[1 - axis]), cell_m, lines)
-        crossed = np.isfinite(first)
-        both = crossed & np.isfinite(last)
-        bounded[number] = crossed.any() and both.sum() >= MOST_LINES * crossed.sum()
-        if bounded[number]:
-            edges[number] = sign * np.median((first[both] + last[both]) / 2)
-        else:
-            edges[number] = sign * (
-                np.percentile(first[crossed], 20) if crossed.any() else (sign * places[:, axis]).min()
-            )
+        edges[number], bounded[number] = _edge(first, last, sign)
+        if np.isnan(edges[number]):
+            edges[number] = sign * (sign * places[:, axis]).min()
     return edges, bounded
+
+
+@njit(cache=True, nogil=True)
+def _edge(first: F64, last: F64, sign: int) -> tuple[float, bool]:
+    """Where an edge is by the lines across it, as `outermost` says, and whether there is wall beside it.
+
+    NaN if no line was crossed.
+    """
+    crossed = first[np.isfinite(first)]
+    both = np.isfinite(first) & np.isfinite(last)
+    if not len(crossed):
+        return np.nan, False
+    if both.sum() >= MOST_LINES * len(crossed):
+        return sign * np.median((first[both] + last[both]) / 2), True
+    return sign * _quantile(crossed, INNER), False
+
+
+@njit(cache=True, nogil=True)
+def _quantile(values: F64, share: float) -> float:
+    """Return the value below which such a share of the values lies, to the last bit as NumPy does."""
+    ordered = np.sort(values)
+    place = (len(values) - 1) * share
+    k = int(place)
+    low, high = ordered[k], ordered[min(k + 1, len(values) - 1)]
+    rest = place - k
+    return float(low + (high - low) * rest if rest < 0.5 else high - (high - low) * (1.0 - rest))
 
 
 @njit(cache=True, nogil=True)
