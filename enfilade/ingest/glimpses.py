@@ -18,6 +18,7 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from .cells import CellGrid, members_of
+from .far_ends import give_far_ends
 from .records import F32, F64, I32, Bool, Plan, Planes, RoomLabels, Surfels
 from .structure import Structure
 
@@ -44,6 +45,8 @@ class GlimpseParameters:
         Height over the floor at which walls are looked for: above parapets, below the heads of doors.
     reach_m
         How far walls may be.
+    along_m
+        How far scanners look along their room to the end of it.
     least_roofed, least_walled
         Shares of its floor that have something above, of which a scanner on the other side of the door sees little,
         and that have a wall behind.
@@ -73,6 +76,7 @@ class GlimpseParameters:
     eye_m: float = 1.2
     wall_eye_m: float = 1.7
     reach_m: float = 12.0
+    along_m: float = 25.0
     least_roofed: float = 0.15
     least_walled: float = 0.7
     headroom_m: float = 1.7
@@ -120,6 +124,8 @@ def add_glimpsed_rooms(
     plans: Sequence[Plan],
     scanner_positions: F32,
     parameters: GlimpseParameters = GlimpseParameters(),
+    *,
+    viewpoints: F32 | None = None,
 ) -> RoomLabels:
     """Make rooms of what lies in no plan but has floor, roof and walls; they get the numbers after the others.
 
@@ -134,6 +140,8 @@ def add_glimpsed_rooms(
         Rooms after `keep_inside`; surfels of no room are looked at.
     plans
         Of these rooms.
+    viewpoints
+        ``(S, 3) float32`` scanners, lifted to just below their ceilings; where they stood if None.
     """
     structure = Structure(planes, close_doors_m=parameters.close_doors_m)
     floor = _one_a_cell(surfels, planes, _free_floor(surfels, planes, labels), parameters.cell_m)
@@ -150,6 +158,19 @@ def add_glimpsed_rooms(
     seen_from = _Scans(scanner_positions, labels.scan_room, floors)
     own = _open_to_scanners(places, component, floors[surfels.scan[floor]], signs, parameters)
     _give_to_lookers(room, places, component, own, seen_from, structure, parameters)
+    give_far_ends(
+        room,
+        places,
+        component,
+        _from_elsewhere(component, signs, parameters),
+        labels.scan_room,
+        floors,
+        scanner_positions if viewpoints is None else viewpoints,
+        structure,
+        along_m=parameters.along_m,
+        step_m=parameters.step_m,
+        least_in_sight=parameters.least_in_sight,
+    )
     looked_into = ~own & (room < 0) & (_shares(component, signs.walled) >= parameters.least_walled)
     component = _fragments_joined(places, component, looked_into, structure, parameters)
     sure = _sure(component, signs, parameters)
@@ -247,6 +268,13 @@ def _open_to_scanners(places: F32, component: I32, floors: F64, signs: _Signs, p
     return np.asarray(enclosed & (_shares(component, near) >= parameters.least_in_sight))
 
 
+def _from_elsewhere(component: I32, signs: _Signs, parameters: GlimpseParameters) -> Bool:
+    """Components of some size, with walls behind, that for the most part were measured over thresholds alone."""
+    asked = np.bincount(component) * parameters.cell_m**2 >= parameters.least_floor_m2
+    asked &= _shares(component, signs.walled) >= parameters.least_walled
+    return np.asarray(asked & (_shares(component, signs.in_sight) < parameters.least_in_sight))
+
+
 def _give_to_lookers(
     room: I32,
     places: F32,
@@ -261,7 +289,7 @@ def _give_to_lookers(
     place = np.flatnonzero(own[component] & (room[component] < 0))
     place = np.repeat(place, len(inside))
     scan = np.tile(inside, len(place) // max(len(inside), 1))
-    near = np.linalg.norm(scans.positions[scan] - places[place], axis=1) < parameters.reach_m
+    near = np.linalg.norm(scans.positions[scan] - places[place], axis=1) < parameters.along_m
     near &= scans.floors[scan] - places[place, 2] < parameters.step_m
     near &= scans.positions[scan, 2] > places[place, 2]  # from below, the upper side of a floor is not seen
     place, scan = place[near], scan[near]

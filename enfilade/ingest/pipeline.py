@@ -150,7 +150,15 @@ def _rooms(
     watch.start("measures")
     drafts = draw_plans(cloud, surfels, planes, labels, parameters.plans, by_floors=False)
     labels = keep_inside(surfels, labels, drafts, parameters.inside)
-    labels = add_glimpsed_rooms(surfels, planes, labels, drafts, cloud.scanner_positions, parameters.glimpses)
+    labels = add_glimpsed_rooms(
+        surfels,
+        planes,
+        labels,
+        drafts,
+        cloud.scanner_positions,
+        parameters.glimpses,
+        viewpoints=groups.viewpoints,
+    )
     plans = draw_plans(cloud, surfels, planes, labels, parameters.plans)
     return labels, measure_rooms(cloud, surfels, labels, plans)
 
