@@ -29,6 +29,7 @@ from .run.needs import needed_properties
 from .run.pruning import is_apart, likened_nodes, one_of_each, scored, uses_segments_once, without_overlap
 from .run.rows import Row, check_rows, number_of_rows, ranked, rows_of
 from .run.shortcuts import is_anchored, rows_needed
+from .run.tallies import wanted_values
 from .run.values import measure_likeness
 from .sayable import is_mixed
 from .symmetry import Symmetry, order_of_appearance, question_symmetries, smaller_first
@@ -140,6 +141,10 @@ class _Answering:
         with self.explanation.timed("symmetry of the question"):
             symmetries = [] if self._query.keep_all else question_symmetries(self._query)
         order = list(dict.fromkeys(name for pattern in self._patterns for name in order_of_appearance(pattern)))
+        values = wanted_values(self._query)
+        if values is not None:
+            smaller = tuple(smaller_first(order, symmetries))
+            return self._finished(self._matcher.tallied(self._query.pattern, values, smaller), symmetries, order)
         if self._query.relax is not None:
             return self._with_near_misses(symmetries, order)
         rows = self._best_rows(symmetries, order)
@@ -219,7 +224,7 @@ class _Answering:
             meanings = whole_scope(self._query)
             named = [name for name in order if not name.startswith("#") and meanings[name].is_node]
             rest = [name for name in order if name not in named]
-            self.explanation.counts["matches"] = len(matches)
+            self.explanation.counts["matches"] = sum(match.weight for match in matches)
             if likened and not self._query.keep_all:
                 matches = without_overlap(matches, [*named, *rest], likened, symmetries)
                 self.explanation.counts["matches that overlap no better one"] = len(matches)

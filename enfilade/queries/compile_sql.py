@@ -45,7 +45,9 @@ class SqlCompiler(Compiler):
         columns = self._columns(search)
         conditions = self._joins(search.expansion) + self._wheres(search)
         where = "\nWHERE " + "\n  AND ".join(conditions) if conditions else ""
-        return f"SELECT {columns}\nFROM {', '.join(tables)}{where}"
+        places = ", ".join(str(number) for number, _ in enumerate(search.columns, start=1))
+        grouped = f"\nGROUP BY {places}" if search.tally and places else ""
+        return f"SELECT {columns}\nFROM {', '.join(tables)}{where}{grouped}"
 
     def _subquery(self, kind: str, expansion: Expansion, conditions: Sequence[str]) -> str:
         tables = self._tables(expansion, inner=True)

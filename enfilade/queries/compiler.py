@@ -96,6 +96,8 @@ class Search:
         Whether likeness is tested on the rows: where these are few anyway, that is less than to find all that is like.
     best
         Names of likened nodes of which only some of the best objects are asked for.
+    tally
+        Whether rows that agree in all columns are one, with their number as a last column.
     """
 
     expansion: Expansion
@@ -107,6 +109,7 @@ class Search:
     counted: Counted | None = None
     likeness_after: bool = False
     best: frozenset[str] = frozenset()
+    tally: bool = False
 
     @property
     def likened_after(self) -> tuple[Point, ...]:
@@ -185,9 +188,9 @@ class Compiler(ABC):
         """Return what tells an edge from all others."""
 
     def _columns(self, search: Search) -> str:
-        """Return the list of columns: what is wanted, then what is unmet."""
+        """Return the list of columns: what is wanted, then what is unmet, then the number of such rows."""
         wanted = [self._returned(column) for column in search.columns]
-        return ", ".join([*wanted, *self._unmet(search)])
+        return ", ".join([*wanted, *self._unmet(search), *(["count(*)"] if search.tally else [])])
 
     def _returned(self, column: Wanted) -> str:
         """Return what stands in the list of columns for one of them."""

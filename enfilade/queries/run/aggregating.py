@@ -97,8 +97,8 @@ def _with_values(expression: Expression, group: Sequence[Match], examples: Examp
 
 def _aggregate(call: Call, group: Sequence[Match], examples: Examples) -> Any:
     if not call.arguments:
-        return len(group)
-    values = [value_of(call.arguments[0], match, examples) for match in group]
+        return sum(match.weight for match in group)
+    values = [value for m in group for value in [value_of(call.arguments[0], m, examples)] * m.weight]
     present = [plain(value) for value in values if value is not None]
     if call.distinct:
         first: dict[Any, Any] = {}

@@ -52,6 +52,8 @@ class Match:
         Numbers of the conditions that do not hold, of a near miss.
     excesses
         How far off each of them is.
+    weight
+        How many matches it stands for; more than one where only their values are told.
     """
 
     elements: dict[str, Element | None]
@@ -60,6 +62,7 @@ class Match:
     mean_score: float = 0.0
     unmet: tuple[int, ...] = ()
     excesses: tuple[float, ...] = ()
+    weight: int = 1
 
     def id_of(self, name: str) -> Any:
         """Id of the element behind a name, or None."""

@@ -147,6 +147,24 @@ class Matcher:
         ]
         return self._tested(extensions, after, scope)
 
+    def tallied(self, pattern: Pattern, columns: tuple[Wanted, ...], smaller: Pairs) -> list[Match]:
+        """Return the matches of a pattern that the store tests whole, those with the same values as one.
+
+        Parameters
+        ----------
+        pattern
+            Resolved and bound.
+        columns
+            Which values.
+        smaller
+            As in `extended`.
+        """
+        scope = scope_of(pattern, {})
+        told, _ = split_conditions(pattern, {})
+        (expansion,) = expansions(pattern, {}, self._combining)
+        search = Search(expansion, scope, told, columns, smaller, self._combining, tally=True)
+        return [Match(dict(found), weight=n) for found, (n,) in self.found(search, (), "MATCH, counted", {}) if n]
+
     def _given_ids(self, given: Sequence[str], matches: Sequence[Match]) -> dict[str, list[str]]:
         ids = {name: {match.id_of(name) for match in matches} - {None} for name in given}
         return {name: sorted(found) for name, found in ids.items()}
@@ -269,7 +287,8 @@ class Matcher:
                     elements[name].properties["id"] = value
                 continue
             known: Mapping[str, SchemaProperty] = labels.get(name) or types[name]
-            elements[name].properties[column.property] = decoded(value, known[column.property].kind)
+            element = elements.setdefault(name, Element(None, is_node=name in labels))
+            element.properties[column.property] = decoded(value, known[column.property].kind)
         return elements
 
     def _node(self, id: str) -> Element:
