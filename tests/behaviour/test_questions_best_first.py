@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 from oracle import Oracle
+from oracle_comparison import alike
 from question_maker import QuestionMaker, random_building
-from test_questions_oracle import alike
 
 from enfilade.descriptors import quantise
 from enfilade.queries import answer, parse
