@@ -7,6 +7,7 @@ out is what measuring them all gives.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -38,6 +39,8 @@ _FIRST_MEASURED: Final = 256
 """So many of the open objects are measured at once at first, then twice as many each time."""
 _SAMPLE: Final = 1 << 15
 _ROWS_A_THREAD: Final = 64
+_ROWS_BETWEEN_CHECKS: Final = 1 << 15
+"""Objects that are measured, in a fraction of a second, before the clock is looked at."""
 
 _BY_BLOCKS, _BY_RINGS, _BY_VIEWS = range(3)
 
@@ -106,10 +109,13 @@ class Nearest:
         ``(bins,)`` counts, or ``(V, bins)`` of V views, of which the nearest counts.
     table
         The objects.
+    check
+        Called now and then while objects are measured; what it raises breaks that off.
     """
 
-    def __init__(self, views: U16, table: DescriptorTable) -> None:
+    def __init__(self, views: U16, table: DescriptorTable, check: Callable[[], None] = lambda: None) -> None:
         views = np.atleast_2d(views)
+        self._check = check
         self._table = table
         self._views = prepared(views, table.shape)
         rings = rings_of(views, table.shape)
@@ -226,6 +232,11 @@ class Nearest:
         return rows
 
     def _measure(self, rows: Rows) -> None:
+        for first in range(0, len(rows), _ROWS_BETWEEN_CHECKS):
+            self._check()
+            self._measure_some(rows[first : first + _ROWS_BETWEEN_CHECKS])
+
+    def _measure_some(self, rows: Rows) -> None:
         found = np.empty(len(rows))
         table = self._table
         counts = rings_and_sectors(table.counts, table.shape)
@@ -240,7 +251,7 @@ class Nearest:
         self.effort.distances += len(rows)
 
     def _within(self, limit: float) -> tuple[Rows, F64]:
-        rows = np.sort(np.concatenate(self._measured))
+        rows = np.sort(np.concatenate([np.empty(0, np.int64), *self._measured]))
         distances = self._distance[rows]
         order = np.argsort(distances, kind="stable")
         order = order[distances[order] <= limit]

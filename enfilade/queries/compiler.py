@@ -50,7 +50,7 @@ class GivenIds:
 
 @dataclass(frozen=True, slots=True)
 class BestIds:
-    """Stands for the ids of the best objects for a likened node; they are put in before the text is run."""
+    """Stands for the ids of the objects that a node is asked for; they are put in before the text is run."""
 
     name: str
 
@@ -95,7 +95,7 @@ class Search:
     likeness_after
         Whether likeness is tested on the rows: where these are few anyway, that is less than to find all that is like.
     best
-        Names of likened nodes of which only some of the best objects are asked for.
+        Names of nodes that are asked for only some objects: the best, or those that like() in WHERE lets through.
     tally
         Whether rows that agree in all columns are one, with their number as a last column.
     """
@@ -258,7 +258,9 @@ class Compiler(ABC):
         found = [self._constraint(alias, entry) for entry in point.constraints]
         if point.single:
             found.append(f"{self._parts(alias)} = 1")
-        if point.likeness is not None:
+        if point.name in self._search.best and not inner:
+            found.append(self._among(self._property(alias, "id"), self._parameter(BestIds(point.name))))
+        elif point.likeness is not None:
             found.append(self._likeness(point.name, point.likeness, inner=inner))
         if point.given and not inner:
             found.append(self._among(self._property(alias, "id"), self._parameter(GivenIds(point.name))))
@@ -266,11 +268,8 @@ class Compiler(ABC):
 
     def _likeness(self, name: str, likeness: Likeness, *, inner: bool) -> str:
         """Test likeness where a limit makes the list short or nothing comes after; else leave out what has no shape."""
-        id = self._of(name, "id")
-        if name in self._search.best and not inner:
-            return self._among(id, self._parameter(BestIds(name)))
         if inner or (likeness.within is not None and not self._search.likeness_after):
-            return self._among(id, self._parameter(LikeIds(likeness)))
+            return self._among(self._of(name, "id"), self._parameter(LikeIds(likeness)))
         shapes = (self._of(name, property) for property in ("descriptor", "foot_descriptor"))
         return f"({' OR '.join(f'{shape} IS NOT NULL' for shape in shapes)})"
 

@@ -104,9 +104,9 @@ class Examples:
                 raise QuestionError("AT is for a file: the height of a stored object is known.")
             return self._like_object(target)
         if likeness.at is None:
-            return [part for objects in self.described.objects for part in _foot_on_foot(target, objects)]
+            return [part for objects in self.described.objects for part in self._foot_on_foot(target, objects)]
         low, high = map(number_of, likeness.at)
-        return [_at_heights(target, objects, low, high) for objects in self.described.objects]
+        return [self._at_heights(target, objects, low, high) for objects in self.described.objects]
 
     def _target(self, reference: Expression) -> str | Shape:
         """Return the id of an object, or a shape."""
@@ -136,25 +136,23 @@ class Examples:
                 table = objects.table(kind)
                 row = objects.row_of(id)
                 if row is not None and table.valid[row]:
-                    return [Part(objects, table, table.counts[row])]
+                    return [Part(objects, table, table.counts[row], self._check)]
         if not any(True for _ in self._store.rows(_EXISTS[self._store.dialect], {"id": id})):
             raise NotFoundError(f'there is no object "{id}" in {self._store.url} to be like.')
         return []
 
+    def _foot_on_foot(self, shape: Shape, objects: DescribedObjects) -> Iterator[Part]:
+        views = mesh_views(shape, layout_of(objects.shape))
+        for table in (objects.table(FOOT), objects.floor_without_foot):
+            if table.valid.any():
+                yield Part(objects, table, views, self._check)
 
-def _foot_on_foot(shape: Shape, objects: DescribedObjects) -> Iterator[Part]:
-    views = mesh_views(shape, layout_of(objects.shape))
-    for table in (objects.table(FOOT), objects.floor_without_foot):
-        if table.valid.any():
-            yield Part(objects, table, views)
-
-
-def _at_heights(shape: Shape, objects: DescribedObjects, low: float, high: float) -> Part:
-    layout = layout_of(objects.shape)
-    count = 1 + int(np.ceil((high - low) / layout.slice_height_m - 1e-9))
-    heights = np.linspace(low, high, count)
-    views = [mesh_views(shape, layout, floor_offset_m=float(h), base_offset_m=float(h)) for h in heights]
-    return Part(objects, objects.table(FLOOR), np.concatenate(views))
+    def _at_heights(self, shape: Shape, objects: DescribedObjects, low: float, high: float) -> Part:
+        layout = layout_of(objects.shape)
+        count = 1 + int(np.ceil((high - low) / layout.slice_height_m - 1e-9))
+        heights = np.linspace(low, high, count)
+        views = [mesh_views(shape, layout, floor_offset_m=float(h), base_offset_m=float(h)) for h in heights]
+        return Part(objects, objects.table(FLOOR), np.concatenate(views), self._check)
 
 
 def layout_of(shape: tuple[int, int, int]) -> Layout:

@@ -153,5 +153,5 @@ def _shown(value: Any) -> Any:
     if isinstance(value, LikeIds):
         return f"ids of objects LIKE {likeness_text(value.likeness)}"
     if isinstance(value, BestIds):
-        return f"ids of the best objects for {value.name}"
+        return f"ids of the objects that {value.name} is asked for"
     return f"ids that {value.name} has so far" if isinstance(value, GivenIds) else value

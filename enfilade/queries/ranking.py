@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from operator import add
@@ -25,11 +25,19 @@ class Part:
         Their descriptors; which of them are compared it says itself.
     views
         ``(V, bins)`` counts of the example.
+    check
+        Called now and then while objects are measured; what it raises breaks that off.
     """
 
-    def __init__(self, objects: DescribedObjects, table: DescriptorTable, views: NDArray[np.uint16]) -> None:
+    def __init__(
+        self,
+        objects: DescribedObjects,
+        table: DescriptorTable,
+        views: NDArray[np.uint16],
+        check: Callable[[], None] = lambda: None,
+    ) -> None:
         self.objects = objects
-        self.nearest = Nearest(views, table)
+        self.nearest = Nearest(views, table, check)
         self._valid = table.valid
 
     def row_of(self, id: str) -> int | None:

@@ -32,7 +32,7 @@ from .decoding import decoded
 from .matches import Element, Match
 from .needs import split_conditions
 from .pruning import likened_nodes, one_of_each, scored, without_overlap
-from .shortcuts import is_anchored
+from .shortcuts import is_anchored, like_limits
 from .values import measure_likeness, value_of
 
 MOST_VALUES: Final = 10_000_000
@@ -117,12 +117,13 @@ class Matcher:
         scope = scope_of(pattern, outer)
         given = given_nodes(pattern, outer)
         told, after = split_conditions(pattern, outer)
-        chosen = best or {}
+        few = bool(given or is_anchored(pattern))
+        chosen = best or {} if few else self._let_through(pattern, best or {})
         ids: PutIn = {
             GivenIds: self._given_ids(given, matches),
             BestIds: {name: list(some) for name, some in chosen.items()},
         }
-        likeness_after = bool(given or chosen or is_anchored(pattern))
+        likeness_after = few or bool(best)
         groups: dict[Any, list[dict[str, Element]]] = {}
         for expansion in expansions(pattern, outer, self._combining):
             search = Search(
@@ -164,6 +165,14 @@ class Matcher:
         (expansion,) = expansions(pattern, {}, self._combining)
         search = Search(expansion, scope, told, columns, smaller, self._combining, tally=True)
         return [Match(dict(found), weight=n) for found, (n,) in self.found(search, (), "MATCH, counted", {}) if n]
+
+    def _let_through(self, pattern: Pattern, best: Ids) -> Ids:
+        """Return the objects that nodes are asked for: of the best ones, those that like() in WHERE lets through."""
+        chosen = dict(best)
+        for name, likeness in like_limits(pattern):
+            allowed = set(self._examples.within(likeness)) if self._run else set()
+            chosen[name] = allowed.intersection(chosen[name]) if name in chosen else allowed
+        return {name: sorted(ids) for name, ids in chosen.items()}
 
     def _given_ids(self, given: Sequence[str], matches: Sequence[Match]) -> dict[str, list[str]]:
         ids = {name: {match.id_of(name) for match in matches} - {None} for name in given}

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from enfilade.queries.query_graph import Equal, Pattern, QueryGraph
-from enfilade.queries.syntax import Comparison, Expression, Literal, Membership, PropertyOf, Variable, conjuncts
+from enfilade.queries.query_graph import Equal, Likeness, Pattern, QueryGraph
+from enfilade.queries.syntax import Call, Comparison, Expression, Literal, Membership, PropertyOf, Variable, conjuncts
 
 from .rows import is_aggregated, number_of_rows
 
@@ -29,6 +29,25 @@ def is_anchored(pattern: Pattern) -> bool:
     """Whether a pattern names a node or its building, so that it has few matches."""
     equal = [c.property for node in pattern.nodes for c in node.constraints if isinstance(c, Equal)]
     return any(property in _ANCHORS for property in equal) or any(map(_anchors, conjuncts(pattern.where)))
+
+
+def like_limits(pattern: Pattern) -> list[tuple[str, Likeness]]:
+    """Return, for like() in WHERE, within which distance of what an object must be for the condition to be true.
+
+    It says what all matches have in common, not all of the condition.
+    """
+    own = {node.name for node in pattern.nodes}
+    limits = filter(None, map(_like_limit, conjuncts(pattern.where)))
+    return [(name, likeness) for name, likeness in limits if name in own]
+
+
+def _like_limit(condition: Expression) -> tuple[str, Likeness] | None:
+    match condition:
+        case Comparison(
+            "<" | "<=" | "=", Call("like", (Variable(name), reference)), Literal(int() | float()) as limit
+        ) | Comparison(">" | ">=" | "=", Literal(int() | float()) as limit, Call("like", (Variable(name), reference))):
+            return name, Likeness(reference, limit)
+    return None
 
 
 def _best_first(query: QueryGraph) -> bool:
