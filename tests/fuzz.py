@@ -24,8 +24,8 @@ from oracle_comparison import ask_and_compare, buildings_and_maker
 from enfilade import server
 from enfilade.stores import Store, open_store
 
-PLAIN_EXAMPLES = 40
-EXAMPLES_A_ROUND = 20
+PLAIN_EXAMPLES = 20
+EXAMPLES_A_ROUND = 10
 QUESTIONS_AN_EXAMPLE = 20
 
 

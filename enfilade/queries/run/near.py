@@ -133,7 +133,8 @@ class NearMisses:
         self, edges: Sequence[EdgePattern], counted: Counted, after: Sequence[Expression]
     ) -> Iterator[tuple[dict[str, Element], tuple[int, ...]]]:
         without = "".join(f" without {edge_with_ends(edge, self._pattern)}" for edge in edges)
-        title = f"MATCH{without}, {counted.least} to {counted.most} values unmet"
+        unmet = "" if counted.most == 0 else f", up to {counted.most} other conditions unmet"
+        title = f"MATCH{without}{unmet}"
         for expansion in expansions(bare(self._pattern, edges), {}, self._combining, sharing=self._sharing):
             columns = self._matcher.columns(expansion)
             search = Search(expansion, self._scope, (), columns, (), self._combining, counted)
