@@ -12,6 +12,7 @@ from enfilade.schema.graph import BuildingGraph
 
 SHAPE = (1, 2, 4)
 NAMES = ("Hall", "Küche", "hall", "Bad", "𐐷 room", "\uff5e end", "it's")
+AGGREGATES = ("count", "avg", "min", "max", "sum", "collect", "stDev", "stDevP", "percentileCont", "percentileDisc")
 KINDS = ("door", "door", "door", "passage", "stairs", "hatch", "window")
 PROTOTYPES = (
     [4, 2, 0, 0, 2, 0, 0, 0],
@@ -197,7 +198,7 @@ class QuestionMaker:
         for word in ("WHERE", "AND")[: rng.choice((0, 1, 1, 2))]:
             text += f" {word} {self.condition(1) if rng.random() < 0.4 else self.comparison()}"
         returning = self.returning()
-        while "(" in returning:
+        while any(f"{word}(" in returning for word in AGGREGATES):
             returning = self.returning()
         return f"{text} {returning} RELAX {rng.choice((1, 1, 2, 3) if text.count('-[') < 3 else (1, 2))}"
 
@@ -423,11 +424,13 @@ class QuestionMaker:
         )
         if rng.random() < 0.25:
             return self.grouped(values)
+        renamed = self.renamed()
         columns = list(dict.fromkeys(rng.sample(values, rng.randint(1, min(4, len(values))))))
         word = rng.choice(("", "", "", "", "ALL ", "DISTINCT "))
-        text = f"RETURN {word}{', '.join(columns)}"
+        text = f"RETURN {word}{', '.join([*columns, *(f'{value} AS {name}' for name, value in renamed.items())])}"
         if rng.random() < 0.35:
             keys = [*columns, *self._properties_of(columns)] if word == "DISTINCT " else values
+            keys = [*keys, *renamed, *renamed]
             chosen = [
                 f"{key}{rng.choice(('', ' DESC'))}" for key in rng.sample(keys, min(len(keys), rng.randint(1, 2)))
             ]
@@ -439,6 +442,22 @@ class QuestionMaker:
         if rng.random() < 0.15:
             text += f" PER BUILDING {rng.choice((1, 2))}"
         return text
+
+    def renamed(self) -> dict[str, str]:
+        """Columns that are worked out, by the names that AS gives them; mostly none."""
+        rng = self.rng
+        if rng.random() < 0.6 or not self._countable():
+            return {}
+        rooms = [name for name, label in self.labels.items() if label == "Room"]
+        objects = [name for name, label in self.labels.items() if label == "Object"]
+        number = self.number()
+        found = [f"{number} + 1", f"{number} > 9", f"-{number}", f"[{number}, 1]", "mean_score", f"{number} IS NULL"]
+        if rooms:
+            room = rng.choice(rooms)
+            found += [f"count {{ ({room})-[:DOOR]-(:Room) }}", f"EXISTS {{ ({room})-[:STAIRS]-(x:Room) }}"]
+        if objects:
+            found += 2 * [f"like({rng.choice(objects)}, object('{rng.choice(self.objects)}'))"]
+        return dict(zip(("v", "w"), rng.sample(found, rng.choice((1, 1, 2))), strict=False))
 
     def _properties_of(self, columns: list[str]) -> list[str]:
         """Properties of the nodes that are returned; ORDER BY may take them after DISTINCT."""
