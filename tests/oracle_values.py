@@ -197,7 +197,8 @@ def sort_key(value: Any, descending: bool) -> Any:
     if isinstance(value, Node):
         value = value.id
     if isinstance(value, list):
-        return (0, 3, [sort_key(item, descending) for item in value] + [(0.5,)] * descending)
+        items = [(-1,) if descending and item is None else sort_key(item, descending) for item in value]
+        return (0, 3, items + [(0.5,)] * descending)  # inside a list what is missing is the greatest
     if isinstance(value, str):
         letters = [ord(letter) for letter in value]
         return (0, 0, [-number for number in letters] + [1] if descending else letters)

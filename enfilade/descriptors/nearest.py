@@ -42,6 +42,9 @@ _ROWS_A_THREAD: Final = 64
 _ROWS_BETWEEN_CHECKS: Final = 1 << 15
 """Objects that are measured, in a fraction of a second, before the clock is looked at."""
 
+_FARTHEST: Final = 2.0
+"""No distance is greater."""
+
 _BY_BLOCKS, _BY_RINGS, _BY_VIEWS = range(3)
 
 
@@ -197,7 +200,7 @@ class Nearest:
         sample = np.sort(bounds[::step])
         place = -(-count // step)
         while place < len(sample):
-            rows = np.flatnonzero(bounds <= sample[place])
+            rows = np.flatnonzero(bounds <= _up(sample[place]))
             if len(rows) >= count:
                 return rows
             place *= 2
@@ -259,8 +262,8 @@ class Nearest:
 
 
 def _up(limit: float) -> np.float32:
-    """Return the limit in float32, never less than it."""
-    return np.float32(np.nextafter(np.float32(limit), np.float32(np.inf)))
+    """Return the limit in float32, never less than it, but finite: what has an infinite bound is not looked for."""
+    return np.float32(np.nextafter(np.float32(min(limit, _FARTHEST)), np.float32(np.inf)))
 
 
 def _measured_rows(

@@ -134,6 +134,22 @@ def test_rows_of_no_object_are_left_alone(search: tuple, data: st.DataObject) ->
     assert np.isnan(nearest.of(np.arange(len(objects)))).tolist() == (~valid).tolist()
 
 
+def test_many_rows_of_no_object_hide_none_that_is_one() -> None:
+    shape = (1, 2, 4)
+    example = quantise(np.array([4, 2, 0, 0, 2, 0, 0, 0]))
+    objects = np.stack([example] * 300)
+    valid = np.zeros(300, dtype=bool)
+    valid[[7, 200, 299]] = True
+    objects[200] = quantise(np.ones(8))
+    rings = rings_of(objects, shape)
+    nearest = Nearest(example[None], DescriptorTable(shape, objects, rings, blocks_of(rings, shape), valid))
+
+    for count, found in ((1, [7, 299]), (2, [7, 299]), (3, [7, 299, 200]), (64, [7, 299, 200])):
+        assert nearest.best(count)[0].tolist() == found
+    assert nearest.within(np.inf)[0].tolist() == [7, 299, 200]
+    assert nearest.effort.distances <= 3
+
+
 @pytest.mark.parametrize("views", [1, 5])
 def test_few_of_many_are_measured(views: int) -> None:
     rng = np.random.default_rng(0)
