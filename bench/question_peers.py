@@ -1,4 +1,4 @@
-"""Who else could answer the questions: Neo4j asked by an expert, DuckDB, and networkx's VF2."""
+"""Who else could answer the questions: Neo4j asked by an expert, DuckDB, Ladybug, and networkx's VF2."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import networkx as nx
 import pandas as pd
 from scale_questions import Asked
 
-from enfilade.queries import parse
+from enfilade.queries import answer, parse
 from enfilade.queries.checks import resolve
 from enfilade.queries.expansion import Expansion, Point, combining_objects, expansions
 from enfilade.queries.query_graph import Between, Constraint, Equal
@@ -20,6 +20,7 @@ from enfilade.queries.symmetry import order_of_appearance, question_symmetries, 
 from enfilade.queries.syntax import Expression, Literal
 from enfilade.schema.graph import BuildingGraph
 from enfilade.stores import Store
+from enfilade.stores.sqlite import SQLiteStore
 
 Parameters = Mapping[str, Any]
 
@@ -33,6 +34,20 @@ TABLES: Final = {
     "contains": "source, target",
 }
 """What DuckDB gets of the embedded store."""
+
+NODES: Final = {
+    "Building": {"id": "STRING", "building": "STRING"},
+    "Storey": {"id": "STRING", "building": "STRING", "index": "INT64"},
+    "Room": {"id": "STRING", "building": "STRING", "area": "DOUBLE", "function": "STRING", "floor_elevation": "DOUBLE"},
+    "Opening": {"id": "STRING", "building": "STRING", "kind": "STRING", "width": "DOUBLE"},
+}
+EDGES: Final = {
+    "HAS_STOREY": ("Building", "Storey"),
+    "HAS_ROOM": ("Storey", "Room"),
+    "OPENS": ("Room", "Opening"),
+    "NEIGHBOUR": ("Room", "Room"),
+}
+"""What Ladybug gets of it: all but objects, whose parts our Cypher tells in functions that Ladybug has not."""
 
 
 def expert(store: Store) -> Callable[[Asked, Parameters], int]:
@@ -55,6 +70,47 @@ def duckdb(path: Path) -> Callable[[Asked, Parameters], int]:
             for key in keys:
                 connection.execute(f"CREATE INDEX {name}_{key} ON {name} ({key})")
     return lambda asked, parameters: len(connection.execute(asked.sql, dict(parameters)).fetchall())
+
+
+class _InCypher(SQLiteStore):
+    """Tells what would be asked of Neo4j, which is not there."""
+
+    dialect = "cypher"
+
+
+def ladybug(path: Path) -> Callable[[Asked, Parameters], int]:
+    """Return what asks Ladybug, with the rooms of an SQLite store in memory, in the Cypher that we write for Neo4j."""
+    import ladybug as engine
+
+    connection = engine.Connection(engine.Database(":memory:"))
+    with closing(sqlite3.connect(path)) as source:
+        for label, columns in NODES.items():
+            typed = ", ".join(f"`{name}` {kind}" for name, kind in columns.items())
+            connection.execute(f"CREATE NODE TABLE {label} ({typed}, PRIMARY KEY (id))")
+            names = ", ".join(f'"{name}"' for name in columns)
+            frame = pd.read_sql(f"SELECT {names} FROM {label.lower()}", source)
+            connection.execute(f"COPY {label} FROM $frame", {"frame": frame})
+        for type, (start, end) in EDGES.items():
+            connection.execute(f"CREATE REL TABLE {type} (FROM {start} TO {end})")
+            frame = pd.read_sql(
+                f"SELECT a.id, b.id AS other FROM {type.lower()} e JOIN {start.lower()} a ON a.pk = e.source "
+                f"JOIN {end.lower()} b ON b.pk = e.target",
+                source,
+            )
+            connection.execute(f"COPY {type} FROM $frame", {"frame": frame})
+    teller = _InCypher(path)
+
+    def ask(asked: Asked, parameters: Parameters) -> int:
+        (step,) = answer(teller, asked.text, parameters=parameters, explain_only=True).explanation.steps
+        found = connection.execute(step.text.removeprefix("CYPHER 5 "), step.parameters)
+        assert isinstance(found, engine.QueryResult)
+        rows = 0
+        while found.has_next():
+            found.get_next()
+            rows += 1
+        return rows
+
+    return ask
 
 
 def vf2(graphs: Sequence[BuildingGraph]) -> Callable[[Asked, Parameters], int]:

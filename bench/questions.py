@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from corpus import add_arguments, buildings, sources
-from question_peers import Parameters, duckdb, expert, vf2
+from question_peers import Parameters, duckdb, expert, ladybug, vf2
 from scale_questions import QUESTIONS, Asked
 
 from enfilade.queries import answer
@@ -30,6 +30,8 @@ from enfilade.stores.base import in_batches
 
 VF2_BUILDINGS: Final = 50
 """Buildings that VF2 is given; its time is told for as many as there are, which it grows with."""
+
+PEERS: Final = ("duckdb", "ladybug", "vf2")
 
 Ask = Callable[[Asked, Parameters], int]
 
@@ -125,11 +127,19 @@ def asked_everywhere(
             continue
         times = {}
         for place, ask in places.items():
-            possible = {"expert": bool(asked.cypher), "duckdb": bool(asked.sql), "vf2": asked.vf2}.get(place, True)
-            if possible:
+            if _can_say(place, asked):
                 times[place] = measure(ask, asked, values[:1] if place == "vf2" else values)
         print(asked.name, {place: round(t.median, 1) for place, t in times.items()}, file=sys.stderr, flush=True)
         yield asked, times
+
+
+def _can_say(place: str, asked: Asked) -> bool:
+    """Whether there is a version of a question for a place; Ladybug has rooms only, and is given no statistics."""
+    rooms = asked.kind not in ("statistics", "likeness") and not any(
+        word in asked.text for word in ("Object", "-(o)", "$thing", "index", "[:NEIGHBOUR]")
+    )
+    possible = {"expert": bool(asked.cypher), "duckdb": bool(asked.sql), "ladybug": rooms, "vf2": asked.vf2}
+    return possible.get(place, True)
 
 
 def table(results: Mapping[str, Mapping[str, Times]], places: Sequence[str], count: int) -> str:
@@ -193,6 +203,8 @@ def main(options: argparse.Namespace) -> None:
         places["expert"] = expert(stores["neo4j"])
     if "duckdb" in options.peers:
         places["duckdb"] = duckdb(path)
+    if "ladybug" in options.peers:
+        places["ladybug"] = ladybug(path)
     if "vf2" in options.peers:
         places["vf2"] = vf2(list(buildings(range(min(count, VF2_BUILDINGS)), homes, models, seed=options.seed)))
     results: dict[str, dict[str, Times]] = {}
@@ -213,7 +225,7 @@ def _arguments() -> Any:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--buildings", type=int, default=1000)
     parser.add_argument("--neo4j", metavar="URL", help="a database that holds nothing or this corpus")
-    parser.add_argument("--peers", nargs="*", choices=["duckdb", "vf2"], default=["duckdb", "vf2"])
+    parser.add_argument("--peers", nargs="*", choices=PEERS, default=PEERS)
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--only", nargs="+", default=[], metavar="WORD", help="of kinds and names of questions")
     add_arguments(parser)
