@@ -41,11 +41,18 @@ def write_answer(columns: Sequence[str], rows: Sequence[dict[str, Any]], form: s
         _write(output, content)
         ERR.print(f"Wrote {output}", markup=False)
     elif form == "table":
-        print_table(columns, [[row[column] for column in columns] for row in rows])
+        print_table(columns, [[_cell(row[column], column) for column in columns] for row in rows])
         OUT.print(counted(len(rows), "row"))
     else:
         # Bytes, because standard output may speak another encoding than UTF-8, which JSON always is.
         click.echo(_text(columns, rows, form).encode("utf-8"), nl=False)
+
+
+def _cell(value: Any, column: str) -> Any:
+    """Return a value as a table shows it: unmet conditions, which have commas, a line each."""
+    from enfilade.queries.result import UNMET
+
+    return "\n".join(map(str, value)) if column == UNMET and isinstance(value, list) else value
 
 
 def json_text(value: Any, *, indent: int | None = None) -> str:

@@ -181,6 +181,12 @@ def test_rows_beyond_the_limit_are_left_out_and_it_is_said(with_hotel: Enfilade)
     assert done.err == "Note: these are the first 2 of 7 rows; raise --rows for more.\n"
 
 
+def test_unmet_conditions_stand_on_lines_of_their_own(with_hotel: Enfilade) -> None:
+    question = "MATCH (a:Room {area: 29..30, name: 'Loft'}) WHERE a.height > 4 RETURN a LIMIT 1 RELAX 3"
+    lines = [line.strip("│ \n") for line in with_hotel("query", question).out.splitlines()]
+    assert [line.split("│")[-1].strip() for line in lines[3:5]] == ["(a:Room {name: 'Loft'})", "a.height > 4"]
+
+
 def test_parquet_keeps_kinds_where_values_are_missing(with_hotel: Enfilade, tmp_path: Path) -> None:
     question = "MATCH (b:Building) OPTIONAL MATCH (o:Object {parts: 2}) RETURN b, o.parts AS n, b.scan_count AS m"
     assert with_hotel("query", question, "--format", "parquet", "-o", "a.parquet").status == 0
