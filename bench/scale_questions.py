@@ -320,6 +320,12 @@ QUESTIONS: Final = (
         "JOIN room r ON r.pk = h.target GROUP BY 1",
     ),
     Asked(
+        "objects by function of the room",
+        "statistics",
+        "MATCH (r:Room)-[:CONTAINS]->(o:Object) RETURN r.function, count(*)",
+        "MATCH (r:Room)-[:CONTAINS]->(:Object {parts: 1}) RETURN r.function, count(*)",
+    ),
+    Asked(
         "what door joins which functions",
         "statistics",
         "MATCH (a:Room)-[d:DOOR]-(b:Room) WHERE a.function < b.function RETURN a.function, b.function, count(*)",

@@ -169,7 +169,7 @@ class Neo4jStore(Store):
         )
 
     def _prepare(self, *, create: bool) -> None:
-        with self._session(WRITE_ACCESS) as session:
+        with self._session(WRITE_ACCESS if create else READ_ACCESS) as session:
             versions = _versions(session)  # not retried: a server that cannot be reached is told at once
             if not versions and not create:
                 raise StoreError(f"{self.url} has no schema of Enfilade yet; ingest or import a building first")

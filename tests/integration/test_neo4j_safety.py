@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from conftest import RunningNeo4j
 from neo4j import READ_ACCESS, Driver, Session
 
 from enfilade import server
@@ -80,7 +81,7 @@ def test_raw_cypher_cannot_write(neo4j_store: Neo4jStore, hotel: BuildingGraph, 
 
 
 def test_questions_are_for_readers(
-    neo4j_store: Neo4jStore, hotel: BuildingGraph, monkeypatch: pytest.MonkeyPatch
+    neo4j_server: RunningNeo4j, neo4j_store: Neo4jStore, hotel: BuildingGraph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """In a cluster the driver sends what only reads to a replica."""
     neo4j_store.write(hotel)
@@ -93,12 +94,13 @@ def test_questions_are_for_readers(
         return unchanged(driver, **settings)  # type: ignore[arg-type]
 
     monkeypatch.setattr(Driver, "session", session)
-    answer(neo4j_store, "MATCH (a:Room)-[:DOOR]-(b:Room) RETURN a, b")
-    answer(neo4j_store, "MATCH (o:Object LIKE object('hotel/o4') WITHIN 0.5) RETURN o, score")
-    list(neo4j_store.cypher("MATCH (a:Room) RETURN a", {}))
-    neo4j_store.plan("MATCH (a:Room) RETURN a", {})
-    neo4j_store.read("hotel")
-    neo4j_store.buildings()
+    with neo4j_server.open(create=False) as store:
+        answer(store, "MATCH (a:Room)-[:DOOR]-(b:Room) RETURN a, b", timeout_s=None)
+        answer(store, "MATCH (o:Object LIKE object('hotel/o4') WITHIN 0.5) RETURN o, score")
+        list(store.cypher("MATCH (a:Room) RETURN a", {}))
+        store.plan("MATCH (a:Room) RETURN a", {})
+        store.read("hotel")
+        store.buildings()
 
     assert set(asked) == {READ_ACCESS}
 
