@@ -114,7 +114,9 @@ class DescriptorFiles:
     @contextmanager
     def alone(self, check: Callable[[], None]) -> Iterator[None]:
         """Keep other processes from writing while the block runs; `check` may raise while this one waits."""
-        self.folder.mkdir(parents=True, exist_ok=True)
+        if not self.folder.exists():
+            self.folder.mkdir(parents=True, exist_ok=True)
+            _clear_away(self.folder.parent)
         with (self.folder / _LOCK).open("w") as file:
             while True:
                 try:
@@ -197,6 +199,17 @@ class DescriptorFiles:
             except (FileNotFoundError, ValueError) as error:  # ValueError: the file is too short
                 raise DamagedError(path) from error
         return arrays
+
+
+def _clear_away(folder: Path) -> None:
+    """Remove the files of embedded stores that are no longer there."""
+    for manifest in folder.glob(f"*/{_MANIFEST}"):
+        try:
+            kind, _, path = json.loads(manifest.read_bytes())["store"].partition(":")
+        except (OSError, ValueError, TypeError, KeyError, AttributeError):
+            continue
+        if kind == "sqlite" and not Path(path).exists():
+            shutil.rmtree(manifest.parent, ignore_errors=True)
 
 
 class _Sheet:

@@ -164,6 +164,15 @@ def test_what_a_killed_writer_left_counts_as_nothing(sqlite_store: Store, folder
     assert kept(cache.current()) == stored(graphs)
 
 
+def test_files_of_a_store_that_is_gone_are_cleared_away(tmp_path: Path, folder: Path) -> None:
+    for name in ("a", "b", "c"):
+        with open_store(f"sqlite:{tmp_path / name}.db") as store:
+            store.write(building("x", [1]))
+            DescriptorCache(store, folder).current()
+            (tmp_path / "a.db").unlink(missing_ok=True)
+    assert len(list(folder.glob("*/manifest.json"))) == 2
+
+
 def test_it_goes_on_where_it_was_broken_off(sqlite_store: Store, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(caches, "ROWS_BETWEEN_SAVES", 1)
     graphs = [building(name, [1, 2], seed) for seed, name in enumerate("abcd")]
