@@ -60,6 +60,8 @@ _READABLE: Final = {
 _UNTOLD: Final = frozenset({"SEMICOLON", "PLUS", "SLASH", "PERCENT", "CIRCUMFLEX", "PARAMETER", "STRING"})
 """Terminals that may stand almost anywhere: to name them tells nothing."""
 
+_BEHIND_RETURN: Final = ("ORDER", "SKIP", "LIMIT", "PER", "RELAX")
+
 NESTED: Final = "the question is nested too deeply; make it simpler."
 
 _MOST_TOLD: Final = 6
@@ -138,6 +140,8 @@ def _suspects(error: UnexpectedInput, word: str, text: str) -> list[str]:
 
 def _advice(error: UnexpectedInput, word: str) -> str | None:
     expected = _terminals(error)
+    if word.upper() in _BEHIND_RETURN and "_RETURN" in expected:
+        return f"{word.upper()} stands behind RETURN"
     if word in (":", "]") and "LPAR" in expected:
         return "a pattern in WHERE stands in braces: EXISTS { (a)-[:DOOR]-(b) }"
     if word == "*" and "DISTINCT" in expected:

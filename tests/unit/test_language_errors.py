@@ -60,6 +60,8 @@ PLACED = [
     ("MATCH (a:Room) WHERE a.name = 'x RETURN a", 31, "a text begins here and does not end"),
     ("MATCH (a:Room) WHERE (a)-[:DOOR]-(b) RETURN a", 27, "a pattern in WHERE stands in braces"),
     ("MATCH (a:Room) RETURN *", 23, "RETURN * is not there"),
+    ("MATCH (a:Room) RELAX 1 RETURN a", 16, "RELAX stands behind RETURN"),
+    ("MATCH (a:Room) WHERE a.area > 1 LIMIT 1 RETURN a", 33, "LIMIT stands behind RETURN"),
     ("MATCH (a:Room) WITH a RETURN a", 16, "WITH is not there"),
     ("MATCH (a:Room) RETURN a UNION MATCH (b:Room) RETURN b", 25, "UNION is not there"),
     ("MATCH (a:Room) RETURN CASE WHEN true THEN 1 END", 28, "CASE is not there"),
@@ -102,7 +104,11 @@ def test_error_shows_place_and_cause(hotel_store: Store, question: str, column: 
         ("MATCH (a:Room) RETURN a.area + count(*) AS x", QuestionError, "mixes an aggregate"),
         ("MATCH (a:Room) WHERE a.point_count / 0 > 1 OR 1 / 0 = 1 RETURN a", QuestionError, "divided by zero"),
         ("MATCH " + ", ".join(f"(a{i}:Room)" for i in range(70)) + " RETURN ALL a1", UnsupportedError, "64 tables"),
-        ("MATCH " + ", ".join(f"(a{i}:Room)" for i in range(12)) + " RETURN count(*)", UnsupportedError, "symmetries"),
+        (
+            "MATCH " + ", ".join(f"(a{i}:Room)" for i in range(12)) + " RETURN score RELAX 1",
+            UnsupportedError,
+            "symmetries",
+        ),
     ],
 )
 def test_error_names_the_cause(hotel_store: Store, question: str, error: type[Exception], sentence: str) -> None:
