@@ -227,7 +227,8 @@ def _openness(
     through = _places_on(lines, crosses & seen, normal, offset)
     if len(through) and border.hole_at(float(np.median(through))) >= parameters.wide_m:
         return 1.0
-    return 1.0 - float(crosses[seen | walled].mean()) * (1.0 - border.open_share(parameters.least_wall_m))
+    # What other walls stop says nothing of how open this one is.
+    return 1.0 - float(crosses[seen | (walled & crosses)].mean()) * (1.0 - border.open_share(parameters.least_wall_m))
 
 
 def _crossing(lines: _Lines, normal: F32, offset: float) -> Bool:

@@ -15,6 +15,7 @@ from enfilade.ingest.planes import find_planes
 from enfilade.ingest.plans import draw_plans
 from enfilade.ingest.records import Groups, Planes, RoomLabels, Scan, Surfels, ThinnedCloud
 from enfilade.ingest.rooms import RoomParameters, gather_nodes, label_rooms, ray_starts, trace_transitions
+from enfilade.ingest.sight import compare_views
 from enfilade.ingest.structure import Structure
 from enfilade.ingest.surfels import make_surfels
 from enfilade.ingest.thinning import thin
@@ -314,6 +315,26 @@ def test_a_table_that_hides_all_but_one_side_of_the_floor_is_not_the_floor() -> 
     )
     plan = draw_plans(building.cloud, building.surfels, building.planes, building.labels)[0]
     assert plan.floor_elevation == pytest.approx(0.0, abs=0.01)
+
+
+def test_walls_between_other_parts_of_two_rooms_do_not_make_the_one_that_has_a_hole_more_open() -> None:
+    """A corridor runs along two sides of a room; of the 7.35 m of wall along the longer one 2 m are open (or glass)."""
+    high = (0.0, 2.6)
+    corridor = [grid((12.5, 12.5), (5.7, 9.0), high), grid((14.0, 14.0), (4.4, 9.0), high)]
+    corridor += [grid((0.0, 14.0), (4.4, 4.4), high), grid((0.0, 0.0), (4.4, 5.7), high)]
+    corridor += [grid((0.0, 6.0), (5.7, 5.7), high), grid((8.0, 12.5), (5.7, 5.7), high)]
+    room = [grid((x, x), (5.85, 10.9), high) for x in (5.0, 12.35)]
+    room += [grid((5.0, 12.35), (10.9, 10.9), high)]
+    room += [grid((5.0, 6.0), (5.85, 5.85), high), grid((8.0, 12.35), (5.85, 5.85), high)]
+    for z in high:
+        corridor += [grid((0.0, 14.0), (4.4, 5.7), (z, z)), grid((12.5, 14.0), (5.7, 9.0), (z, z))]
+        room.append(grid((5.0, 12.35), (5.85, 10.9), (z, z)))
+    stands = np.array([[12.9, 5.2, 1.5], [7.7, 7.4, 1.5]])
+    scenes = zip(("corridor", "room"), (corridor, room), stands, strict=True)
+    building = build([Scan.of_points(name, "l.e57", np.concatenate(seen), at) for name, seen, at in scenes])
+    structure, viewpoints = Structure(building.planes), building.groups.viewpoints
+    views = compare_views(structure, building.planes, building.cloud.scanner_positions, viewpoints)
+    assert views.openness == pytest.approx([2.0 / 7.35], abs=0.1)
 
 
 def slope(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> np.ndarray:
