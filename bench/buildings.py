@@ -4,6 +4,7 @@
 ``results.json`` one by one. The corpus is the generated buildings, the built-in one, and with ``--models`` IFC files.
 The halves of the generated ones are told by `enfilade.simulate.recipes`; of the models in alphabetical order each
 second one is in the check half, models of one building (the name up to the first ``-``, digits aside) in the same.
+With ``--seeds`` it is the buildings generated from these, which nobody has looked at, instead.
 """
 
 from __future__ import annotations
@@ -42,9 +43,14 @@ class Building:
     arguments: tuple[str, ...]
 
 
+def generated(seed: int) -> Building:
+    """Return the building that is generated from a seed, of the corpus or not."""
+    return Building(name_of(seed), half_of(seed), recipe_of(seed).faults, ("--generate", str(seed)))
+
+
 def corpus(models: Path | None) -> list[Building]:
     """Return the whole corpus."""
-    made = [Building(name_of(s), half_of(s), recipe_of(s).faults, ("--generate", str(s))) for s in CORPUS]
+    made = [generated(seed) for seed in CORPUS]
     paths = sorted(models.glob("*.ifc")) if models is not None else []
     families = list(dict.fromkeys(family(path) for path in paths))
     halves = {name: HALVES[k % 2] for k, name in enumerate(families)}
@@ -167,6 +173,8 @@ def main(folder: Path, buildings: list[Building], workers: int) -> None:
 
 def chosen(arguments: argparse.Namespace) -> list[Building]:
     """Return the buildings that the options ask for."""
+    if arguments.seeds:
+        return [generated(seed) for seed in arguments.seeds]
     found = corpus(arguments.models)
     found = [b for b in found if arguments.half in (None, b.half) and arguments.level in (None, b.level)]
     return [b for b in found if not arguments.only or b.name in arguments.only]
@@ -177,6 +185,7 @@ if __name__ == "__main__":
     parser.add_argument("folder", type=Path)
     parser.add_argument("--models", type=Path, help="folder of IFC models that belong to the corpus, too")
     parser.add_argument("--only", nargs="+", metavar="NAME", help="names of buildings")
+    parser.add_argument("--seeds", nargs="+", type=int, help="of generated buildings, instead of the corpus")
     parser.add_argument("--half", choices=HALVES)
     parser.add_argument("--level", choices=[*FAULTS, "default"], help="of the scanner's faults")
     parser.add_argument("--workers", type=int, default=2)
