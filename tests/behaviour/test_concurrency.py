@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +25,7 @@ ROUNDS = int(os.environ.get("ENFILADE_CONCURRENT_ROUNDS", "6"))
 LEAST_ANSWERS = 3
 
 READING = f"""
+import os
 import sys
 from pathlib import Path
 from enfilade.queries import answer
@@ -42,6 +45,7 @@ with open_store(url, create=False, ask=lambda _: password) as store:
         like = answer(store, "MATCH (o:Object LIKE object('still/o0')) RETURN o, score LIMIT 1").rows
         assert like == [{{"o": "still/o0", "score": 0.0}}], like
         answers += 1
+        Path(f"{{done}}-not-yet-{{os.getpid()}}").touch()
 print(len(seen))
 """
 
@@ -101,6 +105,7 @@ def test_many_processes_ask_while_others_write(
     done = tmp_path / "done"
 
     reading = [_start(READING, store.url, password, str(done), *map(str, SIZES)) for _ in range(READERS)]
+    _wait_for(lambda: len(list(tmp_path.glob("done-not-yet-*"))) == READERS, reading)
     writing = [
         _start(
             WRITING,
@@ -120,6 +125,13 @@ def test_many_processes_ask_while_others_write(
     assert [status for status, _, _ in seen] == [0] * READERS, [said for _, _, said in seen]
     assert max(int(printed) for _, printed, _ in seen) > 1 + 2 * WRITERS  # a building in both sizes: it was replaced
     assert len(store.buildings()) == 1 + 2 * WRITERS
+
+
+def _wait_for(ready: Callable[[], bool], processes: list[subprocess.Popen[str]]) -> None:
+    """Wait until all have answered once, or one has ended, which it should not yet."""
+    latest = time.monotonic() + 120.0
+    while not ready() and all(process.poll() is None for process in processes) and time.monotonic() < latest:
+        time.sleep(0.05)
 
 
 def _start(code: str, *arguments: str) -> subprocess.Popen[str]:
