@@ -176,10 +176,11 @@ def _lead(
         return None
     votes = np.bincount(far[others], weight[others])
     total = float(votes.sum()) + same
-    likely = np.flatnonzero(votes > unknown * (1.0 / LEAST_KNOWN - 1.0)).tolist()
-    at_hole = {number for number in (room, *likely) if number in rooms and _covers_behind(rooms[number], plans, hole)}
+    enough = np.flatnonzero(votes > unknown * (1.0 / LEAST_KNOWN - 1.0)).tolist()
+    likely = [other for other in enough if other in rooms]
+    at_hole = {number for number in (room, *likely) if _covers_behind(rooms[number], plans[number], hole)}
     for other in sorted(likely, key=lambda other: (other not in at_hole, -votes[other])):
-        if other in plans and _begins_behind(hole, far == other, room in at_hole, plans[other], parameters):
+        if _begins_behind(hole, far == other, room in at_hole, plans[other], parameters):
             lead = Lead(hole, other, float(votes[other]), float(votes[other]) / total, same / total)
             return lead if lead.same < 0.6 else None
     return None
@@ -214,9 +215,9 @@ def _begins_behind(
     return int((hole.beyond[to_it & hole.outbound] < CLOSE_M).sum()) >= parameters.min_rays
 
 
-def _covers_behind(room: Room, plans: Mapping[int, Polygon | None], hole: Hole) -> bool:
+def _covers_behind(room: Room, plan: Polygon | None, hole: Hole) -> bool:
     """Whether the plan of a room, at its height, covers most of what is right behind a hole in a wall."""
-    plan, height = plans[room.number], float(hole.centre[2])
+    height = float(hole.centre[2])
     ceiling = np.inf if room.ceiling_elevation is None else room.ceiling_elevation
     if plan is None or hole.side.horizontal or not room.floor_elevation < height < ceiling:
         return False
