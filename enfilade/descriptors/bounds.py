@@ -17,9 +17,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from enfilade.parallel import in_slices
 from enfilade.schema.counts import TOTAL
-
-from .threads import over_rows
 
 F32 = NDArray[np.float32]
 U16 = NDArray[np.uint16]
@@ -71,7 +70,7 @@ def envelope_bounds(envelope: tuple[F32, F32], merged: U16) -> F32:
     """
     bounds = np.empty(len(merged), dtype=np.float32)
     less = np.float32(slack(merged.shape[1]))
-    over_rows(_bound_all, len(merged), _ROWS_A_THREAD, *envelope, merged, less, bounds)
+    in_slices(_bound_all, len(merged), *envelope, merged, less, bounds, least=_ROWS_A_THREAD)
     return bounds
 
 
@@ -79,7 +78,7 @@ def envelope_bounds_of(envelope: tuple[F32, F32], merged: U16, rows: NDArray[np.
     """Bound the distance of some rows, like `envelope_bounds`; ``(k,) float32``."""
     bounds = np.empty(len(rows), dtype=np.float32)
     less = np.float32(slack(merged.shape[1]))
-    over_rows(_bound_some, len(rows), _ROWS_A_THREAD, *envelope, merged, rows, less, bounds)
+    in_slices(_bound_some, len(rows), *envelope, merged, rows, less, bounds, least=_ROWS_A_THREAD)
     return bounds
 
 
@@ -87,7 +86,7 @@ def view_bounds_of(views: F32, merged: U16, rows: NDArray[np.int64]) -> F32:
     """Bound the distance of some rows view by view; the least of the views' bounds, ``(k,) float32``."""
     bounds = np.empty(len(rows), dtype=np.float32)
     less = np.float32(slack(merged.shape[1]))
-    over_rows(_bound_views, len(rows), _ROWS_A_THREAD // len(views) + 1, views, merged, rows, less, bounds)
+    in_slices(_bound_views, len(rows), views, merged, rows, less, bounds, least=_ROWS_A_THREAD // len(views) + 1)
     return bounds
 
 

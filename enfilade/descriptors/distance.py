@@ -8,9 +8,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from enfilade.parallel import in_slices
 from enfilade.schema.counts import TOTAL
-
-from .threads import over_rows
 
 _FIXED_POINT: Final = 2.0**36
 """Terms are rounded to multiples of 2⁻³⁶ counts: their sum is below 2⁵³ of them, so it is exact in any order."""
@@ -49,7 +48,7 @@ def distances(query: NDArray[np.uint16], table: NDArray[np.uint16], shape: tuple
         raise ValueError(f"descriptors of {views.shape[1]} and {table.shape[-1]} bins do not fit the shape {shape}")
     rows = rings_and_sectors(table, shape)
     nearest = np.full(len(rows), 2.0)
-    over_rows(_nearest, len(rows), _ROWS_A_THREAD, *prepared(views, shape), rows, nearest)
+    in_slices(_nearest, len(rows), *prepared(views, shape), rows, nearest, least=_ROWS_A_THREAD)
     return nearest
 
 

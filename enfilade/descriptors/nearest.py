@@ -15,6 +15,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from enfilade.parallel import in_slices
+
 from .bounds import (
     blocks_of,
     chi_square,
@@ -26,7 +28,6 @@ from .bounds import (
     view_bounds_of,
 )
 from .distance import prepared, rings_and_sectors, view_distance
-from .threads import over_rows
 
 U16 = NDArray[np.uint16]
 Rows = NDArray[np.int64]
@@ -244,9 +245,8 @@ class Nearest:
         table = self._table
         counts = rings_and_sectors(table.counts, table.shape)
         less = np.float32(slack(table.rings.shape[1]))
-        over_rows(
-            _measure, len(rows), _ROWS_A_THREAD, *self._views, self._rings, counts, table.rings, rows, less, found
-        )
+        told = (*self._views, self._rings, counts, table.rings, rows, less, found)
+        in_slices(_measure, len(rows), *told, least=_ROWS_A_THREAD)
         self._distance[rows] = np.round(found, DECIMALS)
         if self._bounds is not None:
             self._bounds[rows] = np.inf

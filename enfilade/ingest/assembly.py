@@ -12,11 +12,11 @@ from numba import njit
 from numpy.typing import NDArray
 
 from enfilade.clouds import LabelledCloud
+from enfilade.parallel import in_slices, taken
 from enfilade.schema.graph import BuildingGraph
 from enfilade.schema.ids import object_id, opening_id, room_id, storey_id
 
 from .cells import extent
-from .parallel import in_slices, taken
 from .records import (
     F32,
     F64,

@@ -10,8 +10,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from enfilade.errors import InputError
+from enfilade.parallel import in_slices
 
-from .parallel import in_slices
 from .records import F32, F64, I32, Bool
 from .sorting import sort_above
 

@@ -10,8 +10,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from enfilade.parallel import at_once
+
 from .cells import members_of
-from .parallel import at_once
 from .records import F32, F64, I32, Bool, Plan, RoomLabels, Surfels
 
 I64 = NDArray[np.int64]

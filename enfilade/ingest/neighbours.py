@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from shapely import Polygon, STRtree, box
 
 from enfilade.ingest.borders import Border, plan_borders, plan_of, top
-from enfilade.ingest.parallel import at_once
 from enfilade.ingest.records import F32, F64, I32, Bool, Neighbour, Planes, Room, RoomLabels, Surfels
 from enfilade.ingest.sides import Patch, axes, cut_by_room, in_plane
+from enfilade.parallel import at_once
 
 _AGAINST_PLANS: Final = 2.0
 """So many times the least area of planes back to back makes two rooms neighbours whose plans do not: labels stray."""

@@ -9,9 +9,10 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy import ndimage, sparse
 
+from enfilade.parallel import in_slices
+
 from .cells import CellGrid, Gathered, neighbour_rows
 from .moments import MOMENTS, add_point, fit_plane
-from .parallel import in_slices
 from .records import F32, F64, I32, Bitmap, Planes, Surfels
 
 I64 = NDArray[np.int64]

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from enfilade.faces import WallFaces
+from enfilade.parallel import at_once
 
 from .cells import CellGrid, Gathered, extent, members_of
 from .outlines import Outline, OutlineParameters, draw_outline
-from .parallel import at_once
 from .records import F32, I32, Bool, Plan, Planes, RoomLabels, Surfels, ThinnedCloud
 from .structure import OCCUPIED, Structure
 

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial import cKDTree
 
+from enfilade.parallel import at_once, slices
 from enfilade.progress import Progress, Silent
 
 from .cells import CellGrid, Gathered
 from .fans import fans
-from .parallel import at_once, slices
 from .records import F32, F64, I32, Groups, Planes, RoomLabels, Surfels
 from .structure import Structure
 

@@ -15,8 +15,8 @@ import numpy as np
 from numba import njit
 
 from enfilade.ingest.cells import Gathered
-from enfilade.ingest.parallel import at_once
 from enfilade.ingest.records import F32, F64, I32, Planes, RoomLabels, Surfels
+from enfilade.parallel import at_once
 
 UP: Final = np.array([0.0, 0.0, 1.0])
 

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .parallel import at_once, in_slices, slices
+from enfilade.parallel import at_once, in_slices, slices
 
 I64 = NDArray[np.int64]
 

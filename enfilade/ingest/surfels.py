@@ -10,9 +10,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from enfilade.parallel import at_once, in_slices, slices
+
 from .cells import CellGrid, Gathered
 from .moments import MOMENTS, add_point, fit_plane
-from .parallel import at_once, in_slices, slices
 from .records import F32, F64, I32, Surfels, ThinnedCloud
 
 I64 = NDArray[np.int64]

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enfilade.errors import InputError
+from enfilade.parallel import taken
 from enfilade.progress import Progress, Silent
 
-from .parallel import taken
 from .records import F64, I32, Chunk, Scan, ThinnedCloud
 from .voxels import VoxelSet
 

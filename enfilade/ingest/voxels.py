@@ -13,7 +13,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .parallel import at_once, in_slices, processors, taken
+from enfilade.parallel import at_once, in_slices, processors, taken
+
 from .records import F32, F64, I32, U8, Chunk
 from .shards import SLOTS, Shard
 from .sorting import sort_above

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from enfilade.ingest.parallel import in_slices, slices, taken
 from enfilade.ingest.sorting import sort_above
 from enfilade.ingest.voxels import _in_order
+from enfilade.parallel import in_slices, slices, taken
 
 
 @pytest.mark.parametrize("bits", [0, 1, 11, 12, 23, 44])

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from enfilade.ingest.cells import CellGrid
-from enfilade.ingest.parallel import in_slices
 from enfilade.ingest.records import F32, F64, I32, Bool, Room, RoomLabels, Surfels, ThinnedCloud
+from enfilade.parallel import in_slices
 
 I64 = NDArray[np.int64]
 

@@ -22,7 +22,6 @@ from enfilade.ingest.objects.segments import connect
 from enfilade.ingest.objects.sightlines import Suspect, find_ghosts, of_one_scan
 from enfilade.ingest.objects.structure import Structure, find_structure, in_openings
 from enfilade.ingest.objects.terraces import cut_row, split
-from enfilade.ingest.parallel import at_once, in_slices, taken
 from enfilade.ingest.records import (
     F32,
     F64,
@@ -38,6 +37,7 @@ from enfilade.ingest.records import (
     ThinnedCloud,
 )
 from enfilade.ingest.sides import Side
+from enfilade.parallel import at_once, in_slices, taken
 
 I64 = NDArray[np.int64]
 

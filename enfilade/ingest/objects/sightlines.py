@@ -19,8 +19,8 @@ from enfilade.ingest.objects.masks import Face
 from enfilade.ingest.objects.parameters import ObjectParameters
 from enfilade.ingest.objects.segments import thin
 from enfilade.ingest.objects.structure import in_openings
-from enfilade.ingest.parallel import at_once
 from enfilade.ingest.records import F32, F64, I32, Bool, Opening, ThinnedCloud
+from enfilade.parallel import at_once
 
 I64 = NDArray[np.int64]
 

@@ -21,9 +21,9 @@ from enfilade.ingest.objects.masks import CELL_M, Mask
 from enfilade.ingest.objects.parameters import ObjectParameters
 from enfilade.ingest.objects.relief import find_boards
 from enfilade.ingest.objects.stairs import WIDTH_M, Flight, find_flights
-from enfilade.ingest.parallel import at_once
 from enfilade.ingest.records import F64, I32, Bool, Opening, Planes, Room, RoomLabels, Surfels
 from enfilade.ingest.sides import Patch, Side, axes, cut_by_room, join_patches
+from enfilade.parallel import at_once
 
 I64 = NDArray[np.int64]
 

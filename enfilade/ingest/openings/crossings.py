@@ -14,9 +14,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from enfilade.ingest.parallel import at_once, in_slices
 from enfilade.ingest.records import F32, F64, I32, Bool
 from enfilade.ingest.sides import Side
+from enfilade.parallel import at_once, in_slices
 
 I64 = NDArray[np.int64]
 

@@ -10,9 +10,9 @@ import numpy as np
 from numba import njit
 
 from enfilade.ingest.openings.crossings import SideGrid
-from enfilade.ingest.parallel import at_once, taken
 from enfilade.ingest.records import F32, F64, I32, Bool, RoomLabels, Surfels, ThinnedCloud
 from enfilade.ingest.sides import Side, in_plane
+from enfilade.parallel import at_once, taken
 
 R = TypeVar("R")
 

@@ -32,22 +32,24 @@ def at_once(function: Callable[..., R], calls: Iterable[tuple[Any, ...]]) -> lis
     return [run.result() for run in runs]
 
 
-def in_slices(function: Callable[..., R], count: int, *arguments: Any) -> list[R]:
+def in_slices(function: Callable[..., R], count: int, *arguments: Any, least: int = _LEAST) -> list[R]:
     """Call ``function(first, past, *arguments)`` for slices that make up ``range(count)``, at the same time.
 
     The function has to be compiled with ``nogil``, and what it tells of an element, written into its arguments or
-    returned, must be told by that element alone: then the result does not depend on the number of processors.
+    returned, must be told by that element alone: then the result does not depend on the number of processors. Python's
+    threads are used, for Numba's may neither be called from two threads nor survive a fork. Fewer than `least`
+    elements are not worth a thread.
 
     Returns
     -------
     What the function returned for each slice, in their order; nothing for an empty range.
     """
-    return at_once(function, ((first, past, *arguments) for first, past in slices(count)))
+    return at_once(function, ((first, past, *arguments) for first, past in slices(count, least)))
 
 
-def slices(count: int) -> list[tuple[int, int]]:
+def slices(count: int, least: int = _LEAST) -> list[tuple[int, int]]:
     """Return the first and past-last of the slices that make up ``range(count)``, some for each processor."""
-    number = min(-(-count // _LEAST), _SLICES_A_THREAD * processors())
+    number = min(-(-count // least), _SLICES_A_THREAD * processors())
     return list(pairwise(count * k // number for k in range(number + 1))) if number else []
 
 
